@@ -1,0 +1,43 @@
+# `make compare` runs the main job, `make test` everything that checks the code. Both install what they need.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: compare test test-slow pictures clean
+
+compare: $(VENV)/.installed
+	$(BIN)/dynabot compare
+
+test: $(VENV)/.installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
+	OMP_NUM_THREADS=1 $(BIN)/pytest -n auto
+
+# Checks that take minutes: the statistics of Table III on fresh seeds, and the rigid plant against the particle.
+test-slow: $(VENV)/.installed
+	OMP_NUM_THREADS=1 $(BIN)/pytest -n auto -m slow
+
+# The picture of the README.
+pictures: $(VENV)/.installed
+	$(BIN)/dynabot compare --out out/pictures
+	mkdir -p docs/images
+	cp out/pictures/trajectories_decoupled.png out/pictures/table_iii.png docs/images/
+
+# The lock file pins what is tested; the package itself is installed in place.
+$(VENV)/.installed: pyproject.toml requirements.lock
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "Python 3.11 or newer is needed, $(PYTHON) is $$($(PYTHON) --version 2>&1); try: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
+	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || { \
+	  echo "installing the system package python3-venv"; \
+	  if [ "$$(id -u)" = 0 ]; then apt-get update -qq && apt-get install -y -qq python3-venv; \
+	  else sudo -n apt-get update -qq && sudo -n apt-get install -y -qq python3-venv; fi; } || \
+	  { echo "Python's venv module is missing; install the system package python3-venv"; exit 1; }
+	$(PYTHON) -m venv --clear $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@touch $@
+
+clean:
+	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

@@ -1,0 +1,263 @@
+"""The command line: one sub-command per use; nothing but parsing, calling and printing.
+
+Exit codes: 0 done, 1 failure, 2 bad input (one line: what was given, what is allowed). With `--json`, one JSON document
+is all that a command prints on standard output; progress goes to standard error.
+"""
+
+import argparse
+import json
+import os
+import shlex
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from dynabot_mj import __version__, files
+from dynabot_mj.errors import InputError
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message} (see {self.prog} --help)")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs a command and returns its exit code."""
+    try:
+        options = _parser().parse_args(arguments)
+        command: Callable[[argparse.Namespace], None] = options.function
+        command(options)
+    except InputError as error:
+        print(f"dynabot: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("dynabot: interrupted; finished parts are kept, --resume continues from them", file=sys.stderr)
+        return 1
+    except BrokenPipeError:
+        # Whoever read our output has gone, e.g. `dynabot compare | head`.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    return 0
+
+
+def compare(options: argparse.Namespace) -> None:
+    """Every estimator on both plants, the paper's Table III beside them."""
+    from dynabot_mj import figures
+    from dynabot_mj.experiments import compare as experiment
+
+    folder = options.out or Path("out/compare")
+    setup = _scenario(options, plants=options.plants, estimators=options.estimators, perception=options.perception)
+    files.require_writable(folder)
+    start = time.monotonic()
+    study = _run(setup, folder, options, "compare")
+    wall_s = time.monotonic() - start
+    table = experiment.markdown(study)
+    document = experiment.document(study, wall_s)
+    with files.staged(folder) as stage:
+        _save(stage, study, options, wall_s)
+        (stage / "table.md").write_text(table, encoding="utf-8")
+        (stage / "compare.json").write_text(_json({**document, "wall_s": None}), encoding="utf-8")
+        figures.save(figures.table_iii(study), stage / "table_iii.png")
+        for estimator in dict.fromkeys(setup.estimators):
+            figures.save(figures.trajectories(study, estimator), stage / f"trajectories_{estimator}.png")
+    _print(options, document, f"{table}\n{wall_s:.0f} s; results in {folder}")
+
+
+def run(options: argparse.Namespace) -> None:
+    """One trial of one case."""
+    from dynabot_mj import figures
+    from dynabot_mj.experiments import compare as experiment
+
+    folder = options.out or Path("out/run")
+    if options.reproduce:
+        setup = _reproduced(options)
+    else:
+        setup = _scenario(
+            options,
+            trials=1,
+            first_trial=options.trial,
+            plants=[options.plant],
+            estimators=[options.estimator],
+            perception=[options.perception],
+        )
+    files.require_writable(folder)
+    start = time.monotonic()
+    study = _run(setup, folder, options, "run")
+    wall_s = time.monotonic() - start
+    case = study.isel(case=0)
+    row = experiment.document(study, wall_s)["rows"][0]
+    row["final_position_m"] = case.final_position_w.isel(trial=0).values.tolist()
+    with files.staged(folder) as stage:
+        _save(stage, study, options, wall_s)
+        figures.save(figures.trajectories(study, setup.estimators[0]), stage / "trajectories.png")
+    places = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in row["final_position_m"])
+    text = experiment.markdown(study) + f"\nfinal positions [m]: {places}\n{wall_s:.1f} s; results in {folder}"
+    _print(options, row, text)
+
+
+def schedule(options: argparse.Namespace) -> None:
+    """Shortest periods that the processor can keep, Eqs. 1-3."""
+    from dynabot_mj import schedule as eqs
+    from dynabot_mj import testbed
+
+    rows = []
+    for name, figures in testbed.TABLE_II.items():
+        exact = eqs.period(options.robots, figures.estimation_time, options.utilisation)
+        rounded = eqs.rounded(exact)
+        rows.append(
+            {
+                "estimator": name,
+                "t_se_ms": round(1e3 * figures.estimation_time, 9),
+                "period_exact_ms": 1e3 * exact,
+                "period_ms": round(1e3 * rounded, 9),
+            }
+        )
+        load = eqs.utilisation(options.robots, figures.estimation_time, rounded, rounded)
+        if load > options.utilisation:
+            print(
+                f"note: {name} at {1e3 * rounded:g} ms loads the processor {load:.4f}, above {options.utilisation:g}; "
+                "feasibility is judged before rounding",
+                file=sys.stderr,
+            )
+    lines = [
+        f"{options.robots} robots, utilisation bound {options.utilisation:g}",
+        "estimator    t_se [ms]  T exact [ms]  T [ms]",
+    ]
+    lines += [
+        f"{row['estimator']:<11}  {row['t_se_ms']:9.1f}  {row['period_exact_ms']:12.2f}  {row['period_ms']:6g}"
+        for row in rows
+    ]
+    _print(options, {"robots": options.robots, "utilisation": options.utilisation, "rows": rows}, "\n".join(lines))
+
+
+def _parser() -> _Parser:
+    from dynabot_mj.scenario import ESTIMATORS, HEADINGS, PERCEPTIONS, PLANTS
+
+    parser = _Parser(
+        prog="dynabot", description="Formation control under limited computation, on particles and rigid bodies."
+    )
+    parser.add_argument("--version", action="version", version=f"dynabot-mj {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
+
+    shared = _Parser(add_help=False)
+    shared.add_argument("--json", action="store_true", help="print one JSON document")
+    study = _Parser(add_help=False, parents=[shared])
+    study.add_argument("--config", type=Path, metavar="FILE.toml", help="configuration; options override it")
+    study.add_argument("--seed", type=int, help="seed of all random numbers (default 0)")
+    study.add_argument("--robots", type=int, help="number of robots, 2 to 7 (default 3)")
+    study.add_argument("--duration", type=float, help="of a trial [s] (default 80)")
+    study.add_argument("--utilisation", type=float, help="bound U of Eq. 1 (default 1.0; Table I says 0.95)")
+    study.add_argument("--headings", choices=HEADINGS, help="at the start (default random)")
+    study.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default out/COMMAND)")
+    study.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
+    study.add_argument("--threads", type=int, default=1, help="of MuJoCo in each process (default 1)")
+    study.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that works in place of the processes")
+    study.add_argument("--resume", action="store_true", help="continue an interrupted run of the same study")
+
+    command = commands.add_parser("compare", parents=[study], help=compare.__doc__, description=compare.__doc__)
+    command.add_argument("--trials", type=int, help="trials of each case (default 100)")
+    command.add_argument("--plants", nargs="+", choices=PLANTS)
+    command.add_argument("--estimators", nargs="+", choices=ESTIMATORS)
+    command.add_argument("--perception", nargs="+", choices=PERCEPTIONS)
+    command.set_defaults(function=compare)
+
+    command = commands.add_parser("run", parents=[study], help=run.__doc__, description=run.__doc__)
+    command.add_argument("--plant", choices=PLANTS, default="rigid")
+    command.add_argument("--estimator", choices=ESTIMATORS, default="decoupled")
+    command.add_argument("--perception", choices=PERCEPTIONS, default="gauss-markov")
+    command.add_argument("--trial", type=int, default=0, help="its number (default 0)")
+    command.add_argument(
+        "--reproduce",
+        metavar="STUDY:CASE:TRIAL",
+        help="repeat a trial of a saved study, e.g. out/compare:rigid/perfect:7",
+    )
+    command.set_defaults(function=run)
+
+    command = commands.add_parser("schedule", parents=[shared], help=schedule.__doc__, description=schedule.__doc__)
+    command.add_argument("--robots", type=int, default=3, help="number of robots, 2 to 7 (default 3)")
+    command.add_argument("--utilisation", type=float, default=1.0, help="bound U of Eq. 1 (default 1.0)")
+    command.set_defaults(function=schedule)
+    return parser
+
+
+def _scenario(options: argparse.Namespace, **others: Any) -> Any:
+    """Builds the configuration: defaults, then the file, then the options."""
+    from dynabot_mj import scenario
+
+    for name in ("workers", "threads"):
+        if getattr(options, name) < 1:
+            raise InputError(f"--{name} {getattr(options, name)} given, it must be at least 1")
+    names = ("seed", "robots", "duration", "utilisation", "headings", "trials")
+    given = {**{name: getattr(options, name, None) for name in names}, **others}
+    setup = scenario.load_file(options.config, **given) if options.config else scenario.build({}, **given)
+    if "rigid" in setup.plants:
+        from dynabot_mj import scene
+
+        scenario.require_mass(setup, scene.read_robot().vehicle.mass)
+    return setup
+
+
+def _reproduced(options: argparse.Namespace) -> Any:
+    """Builds the configuration of one trial of a saved study."""
+    from dynabot_mj import scenario, study
+
+    try:
+        folder, label, trial = options.reproduce.rsplit(":", 2)
+        number = int(trial)
+    except ValueError:
+        raise InputError(f"--reproduce {options.reproduce!r} given, it must be STUDY:CASE:TRIAL") from None
+    path = Path(folder) / "study.nc" if Path(folder).is_dir() else Path(folder)
+    try:
+        saved = study.load(path)
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot read the study {path}: {error}") from error
+    labels = [str(one) for one in saved.case.values]
+    if label not in labels:
+        raise InputError(f"case {label!r} given, the study has: {', '.join(labels)}")
+    if number not in saved.trial.values:
+        raise InputError(f"trial {number} given, the study has {saved.trial.values[0]} to {saved.trial.values[-1]}")
+    return scenario.one_trial(scenario.load(saved.attrs["configuration"], str(path)), label, number)
+
+
+def _run(setup: Any, folder: Path, options: argparse.Namespace, title: str) -> Any:
+    """Runs a study with progress; its finished chunks outlive an interruption."""
+    from dynabot_mj import progress, study
+
+    chunks = folder / ".chunks"
+    execution = study.Execution(
+        workers=options.workers,
+        threads=options.threads,
+        scheduler=options.scheduler,
+        chunks=chunks,
+        resume=options.resume,
+    )
+    with progress.shown(title) as tell:
+        return study.run(setup, execution, tell)
+
+
+def _save(stage: Path, dataset: Any, options: argparse.Namespace, wall_s: float) -> None:
+    """Writes what every study leaves behind: Dataset, configuration, and how it was executed."""
+    from dynabot_mj import study
+
+    study.save(dataset, stage / "study.nc")
+    (stage / "study.toml").write_text(dataset.attrs["configuration"], encoding="utf-8")
+    execution = {
+        "command": shlex.join(["dynabot", *sys.argv[1:]]),
+        "workers": options.workers,
+        "threads": options.threads,
+        "wall_s": round(wall_s, 3),
+        "cores": os.cpu_count(),
+    }
+    (stage / "execution.json").write_text(_json(execution), encoding="utf-8")
+
+
+def _print(options: argparse.Namespace, document: Any, text: str) -> None:
+    print(_json(document) if options.json else text)
+
+
+def _json(document: Any) -> str:
+    return json.dumps(document, indent=2, allow_nan=False)

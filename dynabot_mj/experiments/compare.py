@@ -1,0 +1,257 @@
+"""The main question: does the answer of the point-mass study survive rigid, skidding vehicles?
+
+From the Dataset of a study to rows with intervals, paired differences between the plants, and a table that shows the
+paper's Table III beside both.
+"""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import xarray as xr
+
+from dynabot_mj import statistics
+from dynabot_mj.statistics import Mean, Rate
+from dynabot_mj.testbed import TABLE_III
+
+# JSON name and Dataset variable of what is compared between plants, trial by trial.
+PAIRED_METRICS = {
+    "settling_s": "settling",
+    "top_speed_mps": "top_speed",
+    "collision": "collision",
+    "collision_footprint": "collision_footprint",
+    "completion": "completion",
+    "completion_common": "completion_common",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settling(Mean):
+    """Settling time over the trials that neither collided nor stayed unsettled."""
+
+    unsettled: Rate  # among the trials that did not collide
+
+
+@dataclass(frozen=True, kw_only=True)
+class Published:
+    """The same row of the paper's Table III."""
+
+    settling_s: float
+    collision: float
+    completion: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One case, summarised over its trials; diverged trials count in `diverged` and nowhere else."""
+
+    plant: str
+    perception: str | None
+    estimator: str
+    trials: int
+    period_ms: float
+    alpha_h: float
+    alpha_d: float
+    settling_s: Settling
+    top_speed_mps: Mean
+    collision: Rate
+    collision_footprint: Rate
+    completion: Rate
+    completion_common: Rate
+    diverged: int
+    paper: Published
+
+
+@dataclass(frozen=True, kw_only=True)
+class Paired:
+    """Mean difference a - b of a metric over the trials where both cases have a value."""
+
+    a: str
+    b: str
+    metric: str
+    difference: float | None
+    low: float | None
+    high: float | None
+    n: int
+
+
+def row(case: xr.Dataset) -> Row:
+    """Summarises one case of a study's Dataset."""
+    estimator = str(case.estimator.item())
+    published = TABLE_III[estimator]
+    settling = statistics.mean(case.settling)
+    return Row(
+        plant=str(case.plant.item()),
+        perception=str(case.perception.item()) or None,
+        estimator=estimator,
+        trials=case.sizes["trial"],
+        # The periods are whole ticks; the digits beyond are floating-point noise.
+        period_ms=round(1e3 * case.control_period.item(), 9),
+        alpha_h=case.alpha_h.item(),
+        alpha_d=case.alpha_d.item(),
+        settling_s=Settling(**asdict(settling), unsettled=statistics.rate(1.0 - case.settled)),
+        top_speed_mps=statistics.mean(case.top_speed),
+        collision=statistics.rate(case.collision),
+        collision_footprint=statistics.rate(case.collision_footprint),
+        completion=statistics.rate(case.completion),
+        completion_common=statistics.rate(case.completion_common),
+        diverged=int(case.diverged.sum()),
+        paper=Published(settling_s=published.settling, collision=published.collision, completion=published.completion),
+    )
+
+
+def rows(study: xr.Dataset) -> list[Row]:
+    """Summarises every case of a study."""
+    return [row(study.isel(case=index)) for index in range(study.sizes["case"])]
+
+
+def paired(study: xr.Dataset) -> list[Paired]:
+    """Compares the plants of each method on the same trials, particle minus rigid where both are there."""
+    found = []
+    labels = [str(label) for label in study.case.values]
+    for a, b in itertools.combinations(range(len(labels)), 2):
+        one, other = study.isel(case=a), study.isel(case=b)
+        same_method = one.estimator == other.estimator and one.perception == other.perception
+        if not same_method:
+            continue
+        if str(one.plant.item()) > str(other.plant.item()):
+            one, other = other, one
+        for metric, variable in PAIRED_METRICS.items():
+            # The bootstrap's seed is the study's: the same Dataset gives the same interval.
+            difference = statistics.paired_difference(one[variable], other[variable], int(study.attrs["seed"]))
+            found.append(Paired(a=str(one.case.item()), b=str(other.case.item()), metric=metric, **asdict(difference)))
+    return found
+
+
+def document(study: xr.Dataset, wall_s: float) -> dict[str, Any]:
+    """Returns the JSON document of `dynabot compare`."""
+    return {
+        "rows": [asdict(one) for one in rows(study)],
+        "paired": [asdict(one) for one in paired(study)],
+        "wall_s": round(wall_s, 3),
+    }
+
+
+def markdown(study: xr.Dataset) -> str:
+    """Returns the result as a readable table, the paper's rows beside."""
+    summary, differences = rows(study), paired(study)
+    robots, trials = study.sizes["robot"], study.sizes["trial"]
+    duration = study.attrs["duration"]
+    lines = [
+        f"# Formation of {robots} robots, {trials} trials of {duration:g} s, seed {study.attrs['seed']}",
+        "",
+        *_aligned(_header(), _body(summary)),
+        "",
+        "Rates in % with 95 % Wilson intervals; settling as mean ± sd over the n trials that neither collided nor",
+        "stayed unsettled. Hulls: footprints overlap. Band 1 m: the completion criterion common to all rows.",
+    ]
+    if differences:
+        lines += [
+            "",
+            "## Particle minus rigid body, on the same trials",
+            "",
+            *_aligned(["estimator", *_DIFFERENCE_HEADER.values()], _difference_body(differences)),
+            "",
+            "Mean paired differences with 95 % bootstrap intervals; rates in percentage points.",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+_DIFFERENCE_HEADER = {
+    "settling_s": "settling [s]",
+    "top_speed_mps": "top speed [m/s]",
+    "collision": "collision",
+    "collision_footprint": "hulls",
+    "completion": "completion",
+    "completion_common": "band 1 m",
+}
+
+
+def _header() -> list[str]:
+    return [
+        "estimator",
+        "T_c [ms]",
+        "gains",
+        "plant",
+        "settling [s]",
+        "n",
+        "unsettled",
+        "top speed [m/s]",
+        "collision",
+        "hulls",
+        "completion",
+        "band 1 m",
+        "diverged",
+    ]
+
+
+def _body(summary: Sequence[Row]) -> list[list[str]]:
+    body = []
+    methods = [(one.estimator, one.perception) for one in summary]
+    for estimator, perception in dict.fromkeys(methods):
+        of_method = [one for one in summary if (one.estimator, one.perception) == (estimator, perception)]
+        first, published = of_method[0], TABLE_III[estimator]
+        settling = f"{published.settling:g}"
+        if published.settling_sd is not None:
+            settling += f" ± {published.settling_sd:g}"
+        head = [estimator, f"{first.period_ms:g}", f"{first.alpha_h:g}, {first.alpha_d:g}"]
+        share = [f"{100 * published.collision:.0f}", f"{100 * published.completion:.0f}"]
+        body.append([*head, "paper", settling, "", "", "", share[0], "", share[1], "", ""])
+        for one in of_method:
+            body.append(
+                [
+                    *([""] * len(head)),
+                    one.plant,
+                    _mean(one.settling_s),
+                    str(one.settling_s.n),
+                    _rate(one.settling_s.unsettled),
+                    _mean(one.top_speed_mps),
+                    _rate(one.collision),
+                    _rate(one.collision_footprint),
+                    _rate(one.completion),
+                    _rate(one.completion_common),
+                    str(one.diverged),
+                ]
+            )
+    return body
+
+
+def _difference_body(differences: Sequence[Paired]) -> list[list[str]]:
+    body = []
+    for (a, _), group in itertools.groupby(differences, lambda one: (one.a, one.b)):
+        by_metric = {one.metric: one for one in group}
+        body.append([a.split("/")[-1], *(_difference(by_metric[metric]) for metric in _DIFFERENCE_HEADER)])
+    return body
+
+
+def _mean(value: Mean) -> str:
+    if value.mean is None:
+        return "-"
+    return f"{value.mean:.1f}" + (f" ± {value.sd:.1f}" if value.sd is not None else "")
+
+
+def _rate(value: Rate) -> str:
+    if value.rate is None or value.low is None or value.high is None:
+        return "-"
+    return f"{100 * value.rate:.0f} [{100 * value.low:.0f}, {100 * value.high:.0f}]"
+
+
+def _difference(value: Paired) -> str:
+    if value.difference is None:
+        return "-"
+    scale, digits = (1.0, 2) if value.metric in ("settling_s", "top_speed_mps") else (100.0, 0)
+    text = f"{scale * value.difference:+.{digits}f}"
+    if value.low is not None and value.high is not None:
+        text += f" [{scale * value.low:+.{digits}f}, {scale * value.high:+.{digits}f}]"
+    return text
+
+
+def _aligned(header: Sequence[str], body: Sequence[Sequence[str]]) -> list[str]:
+    """Returns a Markdown table whose columns line up in plain text too."""
+    widths = [max(len(cell) for cell in column) for column in zip(header, *body, strict=True)]
+
+    def line(cells: Sequence[str]) -> str:
+        return "| " + " | ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True)) + " |"
+
+    return [line(header), "|" + "|".join("-" * (width + 2) for width in widths) + "|", *map(line, body)]

@@ -1,0 +1,195 @@
+"""Figures of a study. One colour per robot and one per method, the same in every figure; colour-blind safe."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import xarray as xr
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # the back end has to be chosen before
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from dynabot_mj import scenario, statistics, testbed
+from dynabot_mj.experiments import compare
+from dynabot_mj.experiments.compare import Row
+from dynabot_mj.scenario import Scenario
+
+# Okabe and Ito's palette for robots; Tol's "muted" and "bright" for methods, none of them shared.
+ROBOT_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#000000")
+METHOD_COLOURS = {"perfect": "#777777", "gps": "#AA3377", "decoupled": "#332288", "coupled": "#999933"}
+METHOD_NAMES = {
+    "perfect": "perfect\ninformation",
+    "gps": "GPS",
+    "decoupled": "decoupled\nEKF",
+    "coupled": "coupled\nEKF",
+}
+PLANT_NAMES = {"particle": "point masses", "rigid": "rigid bodies"}
+
+_STYLE: dict[Any, Any] = {
+    "font.size": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#E3E3E3",
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "figure.dpi": 120,
+    # Without these, the same figure is not the same file.
+    "svg.hashsalt": "dynabot",
+}
+
+
+def trajectories(study: xr.Dataset, estimator: str) -> Figure:
+    """Draws Fig. 4 for one method: the first trial's paths, each plant in a column, whole and near the leader.
+
+    Args:
+        study: Dataset of a study.
+        estimator: Name of the method.
+
+    Returns:
+        The figure; positions in metres.
+    """
+    setup = scenario.load(study.attrs["configuration"], "the study's configuration")
+    cases = [study.isel(case=i) for i in range(study.sizes["case"]) if study.estimator.values[i] == estimator]
+    with plt.rc_context(_STYLE):
+        figure, axes = plt.subplots(
+            2,
+            len(cases),
+            figsize=(4.6 * len(cases) + (1.6 if len(cases) == 1 else 0.0), 6.2),
+            squeeze=False,
+            height_ratios=(1.0, 2.6),
+            layout="constrained",
+        )
+        for column, case in enumerate(cases):
+            for axis in axes[:, column]:
+                _draw_paths(axis, case)
+                _draw_well(axis, setup, estimator)
+            axes[0, column].set_title(PLANT_NAMES[str(case.plant.item())])
+            axes[0, column].set_xlim(-setup.start.distance - 4.0, 7.0)
+            axes[0, column].set_ylim(-8.0, 8.0)
+            near = scenario.field(setup, "perfect").leader.radius + setup.field.width + 2.5
+            axes[1, column].set_xlim(-near, near)
+            axes[1, column].set_ylim(-near, near)
+            for axis in axes[:, column]:
+                axis.set_aspect("equal")
+                axis.set_xlabel("x [m]")
+                axis.set_ylabel("y [m]" if column == 0 else "")
+        handles, labels = axes[1, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=9)
+        figure.suptitle(_caption(study, setup, estimator), fontsize=11)
+    return figure
+
+
+def table_iii(study: xr.Dataset) -> Figure:
+    """Draws Table III as bars: paper, point masses and rigid bodies of each method, with intervals."""
+    rows = compare.rows(study)
+    estimators = list(dict.fromkeys(row.estimator for row in rows))
+    with plt.rc_context(_STYLE):
+        figure, axes = plt.subplots(1, 3, figsize=(11.0, 4.0), layout="constrained")
+        for index, estimator in enumerate(estimators):
+            of_method = [row for row in rows if row.estimator == estimator]
+            _draw_method(axes, index, estimator, of_method)
+        for axis, title in zip(
+            axes,
+            ("settling time [s], mean ± sd", "collision rate [%]", "completion rate, method's own σ [%]"),
+            strict=True,
+        ):
+            axis.set_title(title, fontsize=10.5)
+            axis.set_xticks(range(len(estimators)), [METHOD_NAMES[name] for name in estimators])
+            axis.grid(axis="x", visible=False)
+            axis.set_ylim(bottom=0.0)
+        axes[2].set_ylim(0.0, 105.0)
+        legend = [
+            Patch(facecolor="white", edgecolor="#444444", hatch="////", label="paper, 100 trials"),
+            Patch(facecolor="#444444", alpha=0.45, label=PLANT_NAMES["particle"]),
+            Patch(facecolor="#444444", label=PLANT_NAMES["rigid"]),
+        ]
+        figure.legend(handles=legend, loc="outside lower center", ncols=3)
+        trials, seed = study.sizes["trial"], study.attrs["seed"]
+        figure.suptitle(
+            f"Table III of the paper and {trials} trials here (seed {seed}); rates with 95 % Wilson intervals",
+            fontsize=11,
+        )
+    return figure
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Writes a figure and forgets it; the format follows from the name."""
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def _draw_paths(axis: Axes, case: xr.Dataset) -> None:
+    path = case.trajectory_w.isel(recorded=0)
+    for robot in range(path.sizes["robot"]):
+        x, y = (path.isel(robot=robot).sel(axis=name) for name in ("x", "y"))
+        colour = ROBOT_COLOURS[robot]
+        axis.plot(x, y, color=colour, linewidth=1.3, label=f"robot {robot + 1}")
+        axis.plot(x[0], y[0], "o", color=colour, markersize=4, fillstyle="none")
+        axis.plot(x[-1], y[-1], "o", color=colour, markersize=6)
+
+
+def _draw_well(axis: Axes, setup: Scenario, estimator: str) -> None:
+    well = scenario.field(setup, estimator).leader  # type: ignore[arg-type]
+    rings = (
+        (well.radius, "-", "floor h0"),
+        (well.radius + well.width, "--", "floor h0 + ε"),
+        (well.radius - well.width / 2.0, ":", "paper's Fig. 4, h0 ± ε/2"),
+        (well.radius + well.width / 2.0, ":", None),
+    )
+    angle = np.linspace(0.0, 2.0 * np.pi, 181)
+    for radius, style, label in rings:
+        colour = "#999999" if style == ":" else "#444444"
+        axis.plot(radius * np.cos(angle), radius * np.sin(angle), style, color=colour, linewidth=1.1, label=label)
+    axis.plot(0.0, 0.0, "D", color="#222222", markersize=6, linestyle="none", label="leader")
+
+
+def _caption(study: xr.Dataset, setup: Scenario, estimator: str) -> str:
+    period = float(study.control_period[list(study.estimator.values).index(estimator)])
+    name = METHOD_NAMES[estimator].replace("\n", " ")
+    return f"{name}, T_c = {1e3 * period:g} ms, trial {setup.first_trial} of seed {setup.seed}"
+
+
+def _draw_method(axes: Sequence[Axes], index: int, estimator: str, rows: Sequence[Row]) -> None:
+    """Draws one method's group of bars into the three panels."""
+    colour, width = METHOD_COLOURS[estimator], 0.26
+    paper = testbed.TABLE_III[estimator]
+    published = [
+        (paper.settling, paper.settling_sd or 0.0, paper.settling_sd or 0.0),
+        *(_percent(_published(share)) for share in (paper.collision, paper.completion)),
+    ]
+    groups: list[tuple[list[tuple[float, float, float]], dict[str, Any]]] = [
+        (published, {"facecolor": "white", "edgecolor": colour, "hatch": "////"})
+    ]
+    for row in rows:
+        settling = row.settling_s
+        shown = [
+            (settling.mean or 0.0, settling.sd or 0.0, settling.sd or 0.0),
+            _percent(row.collision),
+            _percent(row.completion),
+        ]
+        groups.append((shown, {"facecolor": colour, "alpha": 0.45 if row.plant == "particle" else 1.0}))
+    for bar, (values, look) in enumerate(groups):
+        place = index + (bar - (len(groups) - 1) / 2.0) * (width + 0.03)
+        for axis, (height, below, above) in zip(axes, values, strict=True):
+            axis.bar(place, height, width, **look)
+            axis.errorbar(
+                place, height, [[below], [above]], color="#222222", linewidth=1.0, capsize=2.5, linestyle="none"
+            )
+
+
+def _published(share: float) -> statistics.Rate:
+    """Returns a rate of Table III with the interval that its number of trials gives."""
+    return statistics.share(round(share * testbed.TRIALS_TABLE_III), testbed.TRIALS_TABLE_III)
+
+
+def _percent(rate: statistics.Rate) -> tuple[float, float, float]:
+    """Returns height and whisker lengths of a rate's bar [%]."""
+    if rate.rate is None or rate.low is None or rate.high is None:
+        return 0.0, 0.0, 0.0
+    return 100.0 * rate.rate, 100.0 * max(0.0, rate.rate - rate.low), 100.0 * max(0.0, rate.high - rate.rate)

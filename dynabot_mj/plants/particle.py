@@ -1,0 +1,84 @@
+"""Point masses under a sampled force: m dv/dt = F, solved exactly over each gap.
+
+    v(t + s) = v + s F / m,        p(t + s) = p + s v + s^2 F / (2 m)
+
+The dissipation is part of the sampled command F (Sec. IV commands "the gradient of the potential function plus a
+velocity-dependent dissipative force"), so F is constant over the gap and no micro-steps are needed.
+
+A point mass has no heading. For the footprint criterion, which both plants share, it gets one that turns toward its
+velocity at 3 rad/s at most (the yaw-rate limit of the rigid robots' steering law) and stays while it barely moves.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.plants import LOOK_PERIOD, FleetState
+
+_HEADING_RATE = 3.0  # largest rate at which the heading follows the velocity [rad/s]
+_HEADING_SPEED = 0.25  # below this speed the heading stays [m/s]
+
+
+class ParticlePlant:
+    """Point masses, one per robot."""
+
+    def __init__(self, mass: float, position_w: Array, heading: Array) -> None:
+        """Starts at rest.
+
+        Args:
+            mass: Of each robot [kg].
+            position_w: Start positions, (B, n, 2) [m].
+            heading: Start headings, (B, n) [rad].
+        """
+        self._mass = mass
+        zero = np.zeros_like(position_w)
+        self._state = FleetState(
+            time=0.0, position_w=position_w.copy(), velocity_w=zero, heading=heading.copy(), yaw_rate=zero[..., 0]
+        )
+        self._never = np.zeros(len(position_w), dtype=bool)
+
+    @property
+    def state(self) -> FleetState:
+        """The state now."""
+        return self._state
+
+    @property
+    def diverged(self) -> BoolArray:
+        """No trial: a closed form cannot break down, (B,)."""
+        return self._never
+
+    def step(self, force_w: Array, gap: float) -> Sequence[FleetState]:
+        """Advances exactly; see `Plant.step`."""
+        looks = math.ceil(gap / LOOK_PERIOD - 1e-9)
+        start, states = self._state, []
+        heading, interval = start.heading, gap / looks
+        acceleration_w = force_w / self._mass
+        for look in range(1, looks + 1):
+            # Always from the gap's start, so that the looks do not add rounding errors.
+            s = interval * look
+            velocity_w = start.velocity_w + s * acceleration_w
+            position_w = start.position_w + s * start.velocity_w + (0.5 * s * s) * acceleration_w
+            turned = _follow(heading, velocity_w, interval)
+            states.append(
+                FleetState(
+                    time=start.time + s,
+                    position_w=position_w,
+                    velocity_w=velocity_w,
+                    heading=turned,
+                    yaw_rate=(turned - heading) / interval,
+                )
+            )
+            heading = turned
+        self._state = states[-1]
+        return states
+
+
+def _follow(heading: Array, velocity_w: Array, interval: float) -> Array:
+    """Returns the heading after it turned toward the velocity, (B, n) [rad]."""
+    vx, vy = velocity_w[..., 0], velocity_w[..., 1]
+    error = (np.arctan2(vy, vx) - heading + np.pi) % (2.0 * np.pi) - np.pi
+    most = _HEADING_RATE * interval
+    moving = vx * vx + vy * vy >= _HEADING_SPEED**2
+    return heading + np.where(moving, np.clip(error, -most, most), 0.0)

@@ -1,0 +1,153 @@
+"""MuJoCo models of the Dynabot, all trials stepped at once, each robot tracking its force command with its local laws.
+
+The local laws run at a period of their own, the gap divided so that it is at most 39 ms: at the 156 ms of the coupled
+EKF they would limit-cycle. The physics step divides that period again. Both divide evenly, so nothing drifts.
+"""
+
+import math
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from mujoco import batch
+
+from controllers import steering, traction
+from dynabot_mj import scene
+from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.plants import LOOK_PERIOD, FleetState
+
+LOCAL_PERIOD = 0.039  # longest period of the local laws [s]
+PHYSICS_STEP = 0.005  # longest physics step [s]; the contacts behave alike from 0.5 to 5 ms
+
+# MuJoCo resets a simulation in which these occur and reports success all the same.
+_BREAKDOWNS = [
+    int(warning)
+    for warning in (
+        mujoco.mjtWarning.mjWARN_BADQPOS,
+        mujoco.mjtWarning.mjWARN_BADQVEL,
+        mujoco.mjtWarning.mjWARN_BADQACC,
+        mujoco.mjtWarning.mjWARN_BADCTRL,
+    )
+]
+
+
+class RigidBodyPlant:
+    """Four-wheel skid-steer vehicles."""
+
+    def __init__(self, position_w: Array, heading: Array, threads: int = 1) -> None:
+        """Puts the robots at rest on their settled tyres.
+
+        Args:
+            position_w: Start positions, (B, n, 2) [m].
+            heading: Start headings, (B, n) [rad].
+            threads: Of MuJoCo; they change the speed, never the result.
+        """
+        trials, robots = heading.shape
+        robot = scene.read_robot()
+        self._vehicle = robot.vehicle
+        self._hand_point, self._traction = steering.HandPoint(), traction.Traction()
+        self._batch = batch.Batch(scene.compose(robots).compile(), nsim=trials, nthread=threads)
+        self._timestep = self._batch.expand("opt.timestep")  # (B,)
+        # Each robot's coordinates begin with its free joint; the four wheels follow.
+        self._qpos = self._batch.bind("qpos").reshape(trials, robots, -1)
+        self._qvel = self._batch.bind("qvel").reshape(trials, robots, -1)
+        self._ctrl = self._batch.bind("ctrl").reshape(trials, robots, len(scene.WHEELS), 2)
+        self._qpos[..., :2] = position_w
+        self._qpos[..., 2] = robot.height
+        self._qpos[..., 3:7] = _turned(heading, np.array(robot.orientation))
+        self._reference_w = np.zeros_like(position_w)
+        self._diverged = np.zeros(trials, dtype=bool)
+        self._heading = heading.copy()
+        self._state = self._read(0.0)
+
+    @property
+    def state(self) -> FleetState:
+        """The state now; that of a diverged trial is the last one before it broke down."""
+        return self._state
+
+    @property
+    def diverged(self) -> BoolArray:
+        """Trials whose simulation MuJoCo reset because of a NaN or a huge value, (B,)."""
+        return self._diverged
+
+    def step(self, force_w: Array, gap: float) -> Sequence[FleetState]:
+        """Advances by local-law periods and physics steps; see `Plant.step`."""
+        locals_ = math.ceil(gap / LOCAL_PERIOD - 1e-9)
+        period = gap / locals_
+        steps = math.ceil(period / PHYSICS_STEP - 1e-9)
+        self._timestep[:] = period / steps
+        per_look = max(1, int(LOOK_PERIOD / (period / steps) + 1e-9))
+        start, states = self._state.time, []
+        for local in range(locals_):
+            self._act(force_w, period)
+            done = 0
+            while done < steps:
+                count = min(per_look, steps - done)
+                done += count
+                self._advance(count)
+                self._state = self._read(start + period * (local + done / steps))
+                states.append(self._state)
+        return states
+
+    def _act(self, force_w: Array, period: float) -> None:
+        """Runs the local laws on true heading, forward speed and yaw rate, and sets the motors' commands."""
+        state = self._state
+        speed = state.velocity_w[..., 0] * np.cos(state.heading) + state.velocity_w[..., 1] * np.sin(state.heading)
+        self._reference_w, motion = steering.steer(
+            self._reference_w,
+            force_w,
+            state.heading,
+            speed,
+            mass=self._vehicle.mass,
+            period=period,
+            gains=self._hand_point,
+        )
+        wheel_speed, torque = traction.drive(motion, speed, state.yaw_rate, vehicle=self._vehicle, gains=self._traction)
+        self._ctrl[..., 0], self._ctrl[..., 1] = wheel_speed, torque
+
+    def _advance(self, steps: int) -> None:
+        """Steps the trials that have not diverged."""
+        if self._diverged.all():
+            return
+        self._batch.step(np.nonzero(~self._diverged)[0] if self._diverged.any() else None, nstep=steps)
+        self._diverged |= (self._batch.warning[:, _BREAKDOWNS, 1] > 0).any(axis=-1)
+
+    def _read(self, time: float) -> FleetState:
+        """Copies the planar state out of the batch."""
+        w, x, y, z = np.moveaxis(self._qpos[..., 3:7], -1, 0)
+        yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        # The free joint's angular velocity is in the body's frame; its world z component is the yaw rate.
+        spin = self._qvel[..., 3:6]
+        yaw_rate = (
+            2.0 * (x * z - w * y) * spin[..., 0]
+            + 2.0 * (y * z + w * x) * spin[..., 1]
+            + (1.0 - 2.0 * (x * x + y * y)) * spin[..., 2]
+        )
+        self._heading = self._heading + (yaw - self._heading + np.pi) % (2.0 * np.pi) - np.pi
+        state = FleetState(
+            time=time,
+            position_w=self._qpos[..., :2].copy(),
+            velocity_w=self._qvel[..., :2].copy(),
+            heading=self._heading,
+            yaw_rate=yaw_rate,
+        )
+        return self._frozen(state) if self._diverged.any() else state
+
+    def _frozen(self, state: FleetState) -> FleetState:
+        """Replaces what MuJoCo's reset left in the diverged trials by their last state before it."""
+        last, gone = self._state, self._diverged
+        self._heading = np.where(gone[:, None], last.heading, state.heading)
+        return FleetState(
+            time=state.time,
+            position_w=np.where(gone[:, None, None], last.position_w, state.position_w),
+            velocity_w=np.where(gone[:, None, None], last.velocity_w, state.velocity_w),
+            heading=self._heading,
+            yaw_rate=np.where(gone[:, None], last.yaw_rate, state.yaw_rate),
+        )
+
+
+def _turned(heading: Array, orientation: Array) -> Array:
+    """Returns an orientation turned about the world's z axis, (B, n, 4)."""
+    cos, sin = np.cos(heading / 2.0), np.sin(heading / 2.0)
+    w, x, y, z = orientation
+    return np.stack([cos * w - sin * z, cos * x - sin * y, cos * y + sin * x, cos * z + sin * w], axis=-1)

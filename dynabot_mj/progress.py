@@ -1,0 +1,45 @@
+"""Progress on standard error: a live bar on a terminal, now and then a line elsewhere."""
+
+import contextlib
+import sys
+import time
+from collections.abc import Callable, Iterator
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+_LINE_INTERVAL = 15.0  # between two lines where there is no terminal [s]
+
+
+@contextlib.contextmanager
+def shown(title: str) -> Iterator[Callable[[float], None]]:
+    """Yields a function that takes the share of the work that is done."""
+    if sys.stderr.isatty():
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TaskProgressColumn(),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(elapsed_when_finished=False),
+        )
+        with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+            task = bar.add_task(title, total=1.0)
+            yield lambda share: bar.update(task, completed=share)
+        return
+    yield _Lines(title).update
+
+
+class _Lines:
+    """Prints a line every few seconds, with an estimate of the remaining time."""
+
+    def __init__(self, title: str) -> None:
+        self._title, self._start, self._last = title, time.monotonic(), time.monotonic()
+
+    def update(self, share: float) -> None:
+        now = time.monotonic()
+        if now - self._last < _LINE_INTERVAL or not 0.0 < share < 1.0:
+            return
+        self._last = now
+        left = (now - self._start) * (1.0 - share) / share
+        print(f"{self._title}: {100.0 * share:.0f} %, about {left:.0f} s left", file=sys.stderr, flush=True)

@@ -1,0 +1,363 @@
+"""The configuration of a study: frozen, validated, TOML in and out.
+
+Precedence is defaults < TOML < command line. The defaults reproduce Table III of the paper; those that the paper does
+not give are one parameter set found to do so, not an identification. `"auto"` marks a value that follows from others;
+it stays in the saved file, which therefore describes the same study when one of those others is changed.
+"""
+
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args
+
+import tomli_w
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
+
+from controllers.potential_field import PotentialField, Well, polygon_well_radius
+from dynabot_mj import schedule, testbed
+from dynabot_mj.errors import InputError
+from dynabot_mj.radio import INSTANT_LINK, Link, dynabot_link
+
+PlantName = Literal["particle", "rigid"]
+EstimatorName = Literal["perfect", "gps", "decoupled", "coupled"]
+PerceptionName = Literal["gauss-markov"]
+HeadingChoice = Literal["random", "leader"]
+
+PLANTS: tuple[PlantName, ...] = get_args(PlantName)
+ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
+PERCEPTIONS: tuple[PerceptionName, ...] = get_args(PerceptionName)
+HEADINGS: tuple[HeadingChoice, ...] = get_args(HeadingChoice)
+
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+PositiveOrInfinite = Annotated[float, Field(gt=0.0)]
+_STRICT = ConfigDict(extra="forbid", strict=True)
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class Method:
+    """One row of Table III: an estimator, and the gains and periods that go with it."""
+
+    alpha_h: Positive  # gain of the leader's potential [N m]
+    alpha_d: Positive  # gain of the inter-robot potential [N m]
+    uncertainty: NotNegative  # sigma of the position estimate [m]; 0: perfect information, and no radio
+    estimation_time: NotNegative  # t_se [s]
+    force_limit: PositiveOrInfinite = 50.0  # of the norm of the total command [N]; inf: none
+    sample_period: Positive | Literal["auto"] = "auto"  # T_s [s]; auto: Eq. 3, rounded to the timer's tick
+    control_period: Positive | Literal["auto"] = "auto"  # T_c [s]; auto: the sample period
+
+
+def _method(name: str, **others: Any) -> Method:
+    row, figures = testbed.TABLE_III[name], testbed.TABLE_II.get(name)
+    return Method(
+        alpha_h=row.alpha_h,
+        alpha_d=row.alpha_d,
+        uncertainty=figures.uncertainty if figures else 0.0,
+        estimation_time=figures.estimation_time if figures else 0.0,
+        **others,
+    )
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class Methods:
+    """The rows that can be compared."""
+
+    # The paper's 10 ms is the authors' choice and outside Eq. 2. The row's first command is 52 N, and it is the
+    # best case "for the given control parameters", so it is not limited.
+    perfect: Method = _method("perfect", sample_period=testbed.TABLE_III["perfect"].period, force_limit=float("inf"))
+    gps: Method = _method("gps")
+    decoupled: Method = _method("decoupled")
+    coupled: Method = _method("coupled")
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class FieldOptions:
+    """The potential field but for its gains, which belong to the method."""
+
+    spacing: Positive = testbed.SPACING  # d_0, side of the polygon that the robots form [m]; h_0 follows from it
+    width: Positive = testbed.WELL_WIDTH  # epsilon, of both wells' floors [m]
+    leader_range: Positive = 60.0  # h_l [m]; ours: beyond the start distance, so that the leader attracts from there
+    # d_l [m]; ours: 10 m up to five robots. More of them do not form within that range: auto is 7.5 m then.
+    neighbour_range: Positive | Literal["auto"] = "auto"
+    closest: Positive = 0.05  # distance below which a force no longer grows [m]; ours
+    dissipation: NotNegative = 13.0  # c [N s/m]; ours
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class StartOptions:
+    """The start: at rest, in a regular polygon whose centroid is some way from the leader, turned at random."""
+
+    distance: Positive = testbed.START_DISTANCE  # of the centroid from the leader [m]
+    spacing: Positive = testbed.START_SPACING  # side of the polygon [m]
+    headings: HeadingChoice = "random"  # random: uniform; leader: facing the leader
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class ProcessorOptions:
+    """The processor that the tasks share."""
+
+    utilisation: Annotated[float, Field(gt=0.0, le=1.0)] = testbed.UTILISATION_TABLE_III  # U of Eq. 1
+    tick: Positive = schedule.TICK  # of the timer [s]
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class RadioOptions:
+    """The messages."""
+
+    message_bytes: Annotated[int, Field(ge=1, le=testbed.RADIO_MAX_BYTES)] = 20  # N of Eqs. 4-5; ours
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class SurrogateOptions:
+    """The Gauss-Markov error that stands for an estimator."""
+
+    correlation_time: Positive = 0.08  # tau [s]; ours
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
+class Scenario:
+    """A study: which robots, which methods, how many trials."""
+
+    trials: Annotated[int, Field(ge=1, le=1_000_000)] = testbed.TRIALS_TABLE_III
+    first_trial: Annotated[int, Field(ge=0, lt=2**31)] = 0  # trials first_trial .. first_trial + trials - 1 are run
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    robots: Annotated[int, Field(ge=2, le=testbed.FLEET_SIZE)] = testbed.ROBOTS
+    duration: Annotated[float, Field(gt=0.0, le=10_000.0)] = 80.0  # [s]; ours
+    plants: Annotated[tuple[PlantName, ...], Field(min_length=1)] = PLANTS
+    estimators: Annotated[tuple[EstimatorName, ...], Field(min_length=1)] = ESTIMATORS
+    perception: Annotated[tuple[PerceptionName, ...], Field(min_length=1)] = PERCEPTIONS
+    mass: Positive = 12.0  # of a particle [kg]; ours, and that of the rigid robot
+    collision_distance: Positive = 0.40  # between two centres, below which they have collided [m]; ours
+    field: FieldOptions = FieldOptions()
+    start: StartOptions = StartOptions()
+    processor: ProcessorOptions = ProcessorOptions()
+    radio: RadioOptions = RadioOptions()
+    surrogate: SurrogateOptions = SurrogateOptions()
+    method: Methods = Methods()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One plant with one estimator: what one row of the result table is about."""
+
+    plant: PlantName
+    perception: PerceptionName | None  # None for the estimator `perfect`
+    estimator: EstimatorName
+
+    @property
+    def label(self) -> str:
+        """E.g. `particle/gauss-markov/gps` or `rigid/perfect`."""
+        return "/".join(part for part in (self.plant, self.perception, self.estimator) if part)
+
+
+def cases(scenario: Scenario) -> list[Case]:
+    """Returns the cases of a study, the plants of one method side by side."""
+    return [
+        Case(plant=plant, perception=perception, estimator=estimator)
+        for estimator in dict.fromkeys(scenario.estimators)
+        for perception in ([None] if estimator == "perfect" else dict.fromkeys(scenario.perception))
+        for plant in dict.fromkeys(scenario.plants)
+    ]
+
+
+def method(scenario: Scenario, estimator: EstimatorName) -> Method:
+    """Returns the parameters of a row."""
+    found: Method = getattr(scenario.method, estimator)
+    return found
+
+
+def periods(scenario: Scenario, estimator: EstimatorName) -> tuple[int, int]:
+    """Returns the sampling and the control period of a row in whole timer ticks.
+
+    Raises:
+        InfeasibleScheduleError: If the processor cannot keep them; `perfect` is outside Eq. 2 and not judged.
+        InputError: If a given period is not a whole number of ticks.
+    """
+    row, processor = method(scenario, estimator), scenario.processor
+    judged = (scenario.robots, row.estimation_time)
+    if row.sample_period == "auto":
+        exact = schedule.period(*judged, processor.utilisation)
+        sample_period = schedule.rounded(exact, processor.tick)
+    else:
+        sample_period = row.sample_period
+    control_period = sample_period if row.control_period == "auto" else row.control_period
+    ticks = []
+    for name, value in (("sample_period", sample_period), ("control_period", control_period)):
+        count = round(value / processor.tick)
+        if count < 1 or abs(count * processor.tick - value) > 1e-9:
+            raise InputError(
+                f"method.{estimator}.{name} = {value:g} s given, it must be a whole number of timer ticks "
+                f"of {processor.tick:g} s"
+            )
+        ticks.append(count)
+    if estimator != "perfect":
+        schedule.require_feasible(*judged, sample_period, control_period, processor.utilisation, processor.tick)
+    return ticks[0], ticks[1]
+
+
+def one_trial(scenario: Scenario, label: str, trial: int) -> Scenario:
+    """Returns the study of a single trial of one case.
+
+    Args:
+        scenario: The study that has it.
+        label: Of the case, see `Case.label`.
+        trial: Its number.
+    """
+    case = next(case for case in cases(scenario) if case.label == label)
+    return replace(
+        scenario,
+        trials=1,
+        first_trial=trial,
+        plants=(case.plant,),
+        estimators=(case.estimator,),
+        perception=scenario.perception if case.perception is None else (case.perception,),
+    )
+
+
+def require_mass(scenario: Scenario, rigid_mass: float) -> None:
+    """Checks that particles and rigid robots are equally heavy, so that the body is all that differs.
+
+    Args:
+        scenario: The study.
+        rigid_mass: Of the rigid robot [kg].
+
+    Raises:
+        InputError: If they are not.
+    """
+    if abs(scenario.mass - rigid_mass) > 1e-6:
+        raise InputError(
+            f"mass = {scenario.mass:g} kg given; with the rigid plant it must be the model's, {rigid_mass:g} kg"
+        )
+
+
+def field(scenario: Scenario, estimator: EstimatorName) -> PotentialField:
+    """Returns the potential field of a row."""
+    row, options = method(scenario, estimator), scenario.field
+    neighbour_range = options.neighbour_range
+    if neighbour_range == "auto":
+        neighbour_range = 10.0 if scenario.robots <= 5 else 7.5
+    leader = Well(
+        gain=row.alpha_h,
+        radius=polygon_well_radius(options.spacing, scenario.robots),
+        width=options.width,
+        range=options.leader_range,
+        closest=options.closest,
+    )
+    neighbour = Well(
+        gain=row.alpha_d,
+        radius=options.spacing,
+        width=options.width,
+        range=neighbour_range,
+        closest=options.closest,
+    )
+    return PotentialField(
+        leader=leader, neighbour=neighbour, dissipation=options.dissipation, force_limit=row.force_limit
+    )
+
+
+def link(scenario: Scenario, estimator: EstimatorName) -> Link:
+    """Returns the radio model of a row; perfect information is instantaneous."""
+    if estimator == "perfect":
+        return INSTANT_LINK
+    return dynabot_link(scenario.robots, scenario.radio.message_bytes)
+
+
+def load(text: str, origin: str, **options: Any) -> Scenario:
+    """Reads a configuration.
+
+    Args:
+        text: TOML.
+        origin: Where it comes from, for the messages.
+        **options: Top-level keys that override the text's, and `utilisation` and `headings` of their tables.
+
+    Raises:
+        InputError: If the text is not TOML, or a key or a value is not allowed.
+    """
+    try:
+        tree = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{origin} is not TOML: {error}") from error
+    return build(tree, origin, **options)
+
+
+def load_file(path: Path, **options: Any) -> Scenario:
+    """Reads a configuration file; see `load`."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not a text file"
+        raise InputError(f"cannot read the configuration {path}: {reason}") from error
+    return load(text, str(path), **options)
+
+
+def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> Scenario:
+    """Builds a configuration from a tree of plain values and overriding options; see `load`."""
+    merged = dict(tree)
+    for key, value in options.items():
+        table = {"utilisation": "processor", "headings": "start"}.get(key)
+        if value is None:
+            continue
+        if table is None:
+            merged[key] = value
+        elif isinstance(merged.get(table, {}), dict):
+            merged[table] = {**merged.get(table, {}), key: value}
+    for name, rows in _default_rows().items():
+        given = merged.get("method", {})
+        if isinstance(given, dict) and isinstance(given.get(name), dict):
+            # A row that sets one gain keeps the others.
+            merged["method"] = {**given, name: {**rows, **given[name]}}
+    try:
+        # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
+        scenario = TypeAdapter(Scenario).validate_json(json.dumps(merged, default=str))
+    except ValidationError as error:
+        raise InputError(f"{origin}: {_one_line(error)}") from error
+    _check_together(scenario)
+    return scenario
+
+
+def dump(scenario: Scenario) -> str:
+    """Returns the whole configuration as TOML; `load` gives the same scenario back."""
+    return tomli_w.dumps(asdict(scenario))
+
+
+def _default_rows() -> dict[str, dict[str, Any]]:
+    return asdict(Methods())
+
+
+def _check_together(scenario: Scenario) -> None:
+    """Checks what no single value shows.
+
+    Raises:
+        InputError: With the values that do not fit together.
+    """
+    for estimator in scenario.estimators:
+        _, control_ticks = periods(scenario, estimator)
+        control_period = control_ticks * scenario.processor.tick
+        if scenario.duration < control_period:
+            raise InputError(
+                f"duration = {scenario.duration:g} s given, it must be at least the control period of {estimator}, "
+                f"{control_period:g} s"
+            )
+        if (method(scenario, estimator).uncertainty == 0.0) != (estimator == "perfect"):
+            raise InputError(
+                f"method.{estimator}.uncertainty = {method(scenario, estimator).uncertainty:g} m given; "
+                "it is 0 for perfect and positive for all others"
+            )
+
+
+def _one_line(error: ValidationError) -> str:
+    """Returns pydantic's findings as `key = value: what is allowed`, joined."""
+    lines = []
+    for found in error.errors(include_url=False):
+        # Behind the field's own name, a union names its branch and a tuple its index.
+        key = ".".join(
+            str(part) for part in found["loc"] if isinstance(part, str) and not part.startswith(("lit", "con"))
+        )
+        if found["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
+            lines.append(f"unknown key {key}")
+        else:
+            lines.append(f"{key} = {found['input']!r}: {found['msg'][0].lower()}{found['msg'][1:]}")
+    return "; ".join(dict.fromkeys(lines))

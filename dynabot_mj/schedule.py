@@ -1,0 +1,122 @@
+"""Periods that the processor can keep: Eqs. 1-3 of the paper.
+
+Four tasks share a Dynabot's processor: control every T_c, GPS parsing every T_g, sampling (sensors, state estimation
+and broadcast) every T_s, and the messages of the other n - 1 robots, which come once per T_s. Eq. 1 bounds their
+summed load.
+
+Periods are kept by a timer of whole ticks. Feasibility is judged on the exact period, before it is rounded to the tick,
+as the authors must have done: their 27 and 36 ms load the processor 1.0015 and 1.0106.
+"""
+
+from dynabot_mj.errors import InfeasibleScheduleError, InputError
+from dynabot_mj.testbed import FLEET_SIZE, TASK_TIMES, TaskTimes
+
+TICK = 1e-3  # the timer tick that the periods of Table III are whole multiples of [s]
+
+
+def period(robots: int, estimation_time: float, utilisation_bound: float = 1.0, tasks: TaskTimes = TASK_TIMES) -> float:
+    """Returns the shortest common period T_c = T_s, Eq. 3, not rounded.
+
+    Args:
+        robots: Number of robots n, 2 to 7.
+        estimation_time: t_se, time of one state estimate [s].
+        utilisation_bound: U, 0 < U <= 1.
+        tasks: Execution times of the other tasks.
+
+    Returns:
+        The period [s].
+
+    Raises:
+        InputError: If n, t_se or U is outside its range.
+        InfeasibleScheduleError: If GPS parsing alone fills the processor.
+    """
+    _check(robots, estimation_time, utilisation_bound)
+    gps_load = tasks.gps / tasks.gps_period
+    if gps_load >= utilisation_bound:
+        raise InfeasibleScheduleError(
+            f"no period is feasible: GPS parsing alone loads the processor {gps_load:.4f}, "
+            f"the utilisation bound is {utilisation_bound:g}"
+        )
+    work = _sampling_time(robots, estimation_time, tasks) + robots * tasks.potential
+    return work / (utilisation_bound - gps_load)
+
+
+def utilisation(
+    robots: int,
+    estimation_time: float,
+    sample_period: float,
+    control_period: float,
+    tasks: TaskTimes = TASK_TIMES,
+) -> float:
+    """Returns the load of the processor under given periods, the left side of Eq. 2.
+
+    Args:
+        robots: Number of robots n, 2 to 7.
+        estimation_time: t_se [s].
+        sample_period: T_s [s].
+        control_period: T_c [s].
+        tasks: Execution times of the other tasks.
+
+    Raises:
+        InputError: If an argument is outside its range.
+    """
+    _check(robots, estimation_time, 1.0)
+    for name, value in (("sample period", sample_period), ("control period", control_period)):
+        if not value > 0.0:
+            raise InputError(f"{name} {value:g} s given, it must be positive")
+    control_load = robots * tasks.potential / control_period
+    sampling_load = _sampling_time(robots, estimation_time, tasks) / sample_period
+    return control_load + tasks.gps / tasks.gps_period + sampling_load
+
+
+def require_feasible(
+    robots: int,
+    estimation_time: float,
+    sample_period: float,
+    control_period: float,
+    utilisation_bound: float = 1.0,
+    tick: float = TICK,
+) -> None:
+    """Checks that the processor can keep periods which somebody chose.
+
+    A period stands for every period that rounds to it, so the load is judged with both half a tick longer.
+
+    Args:
+        robots: Number of robots n, 2 to 7.
+        estimation_time: t_se [s].
+        sample_period: T_s [s].
+        control_period: T_c [s].
+        utilisation_bound: U, 0 < U <= 1.
+        tick: Timer tick [s].
+
+    Raises:
+        InfeasibleScheduleError: If the load exceeds the bound; the message names both.
+    """
+    _check(robots, estimation_time, utilisation_bound)
+    load = utilisation(robots, estimation_time, sample_period + tick / 2, control_period + tick / 2)
+    if load > utilisation_bound:
+        exact = utilisation(robots, estimation_time, sample_period, control_period)
+        raise InfeasibleScheduleError(
+            f"periods T_s = {1e3 * sample_period:g} ms and T_c = {1e3 * control_period:g} ms load the processor "
+            f"{exact:.4f}, the utilisation bound is {utilisation_bound:g}; "
+            f"the shortest common period is {1e3 * period(robots, estimation_time, utilisation_bound):.2f} ms"
+        )
+
+
+def rounded(period_s: float, tick: float = TICK) -> float:
+    """Returns a period rounded to the nearest whole number of timer ticks, at least one [s]."""
+    return max(1, round(period_s / tick)) * tick
+
+
+def _sampling_time(robots: int, estimation_time: float, tasks: TaskTimes) -> float:
+    """Returns the work that every sample brings: t_sd + t_se + t_sb + t_m (n - 1) [s]."""
+    return tasks.sensors + estimation_time + tasks.broadcast + tasks.message * (robots - 1)
+
+
+def _check(robots: int, estimation_time: float, utilisation_bound: float) -> None:
+    if not 2 <= robots <= FLEET_SIZE:
+        raise InputError(f"{robots} robots given, allowed are 2 to {FLEET_SIZE}")
+    if not 0.0 <= estimation_time < float("inf"):
+        raise InputError(f"estimation time {estimation_time:g} s given, it must be finite and not negative")
+    if not 0.0 < utilisation_bound <= 1.0:
+        raise InputError(f"utilisation {utilisation_bound:g} given, allowed is 0 < U <= 1")

@@ -1,0 +1,216 @@
+"""The one loop: sample, send, deliver, command, advance; for both plants and all trials at once.
+
+The loop walks the merged calendar of sampling and control events, in whole ticks of the processor's timer, and serves
+at each event the robots that are due. It cannot tell which plant it drives or which perception it has: that is what
+makes the comparison fair.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from controllers import potential_field
+from dynabot_mj import scenario, scene
+from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.metrics import Formation, Scorer, Scores, interpolate
+from dynabot_mj.perception import GaussMarkovPerception, Perception, PerfectPerception
+from dynabot_mj.plants import FleetState, Plant
+from dynabot_mj.plants.particle import ParticlePlant
+from dynabot_mj.radio import Radio
+from dynabot_mj.scenario import Case, Scenario
+from dynabot_mj.streams import Purpose, generators
+
+LEADER_W = np.zeros(2)  # the leader's position, known to every robot exactly and at once [m]
+TRAJECTORY_INTERVAL = 0.1  # between the recorded positions [s]
+
+Progress = Callable[[float], None]  # told the share of the run that is done
+
+
+@dataclass(frozen=True, kw_only=True)
+class Clocks:
+    """When each robot samples and acts, in whole ticks of its processor's timer."""
+
+    sample_ticks: int  # T_s
+    control_ticks: int  # T_c
+    phase: npt.NDArray[np.int64]  # (B, n) of each robot's clock; all zero where robots share one
+
+    def events(self, duration_ticks: int) -> Iterator[tuple[int, int]]:
+        """Yields the merged calendar: each event's tick, and that of the next one or of the end."""
+        due = {
+            tick
+            for phase in np.unique(self.phase).tolist()
+            for period in (self.sample_ticks, self.control_ticks)
+            for tick in range(phase, duration_ticks, period)
+        }
+        calendar = sorted(due | {0})
+        yield from zip(calendar, [*calendar[1:], duration_ticks], strict=True)
+
+    def due(self, tick: int, period: int) -> BoolArray:
+        """Tells which robots have an event with this period at this tick, (B, n)."""
+        since = tick - self.phase
+        return (since >= 0) & (since % period == 0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What is kept of the trials of one case."""
+
+    scores: Scores
+    diverged: BoolArray  # (B,)
+    message_age: Array  # (B,) mean age of the positions acted on [s]; NaN without neighbours heard
+    final_position_w: Array  # (B, n, 2) [m]
+    final_heading: Array  # (B, n) [rad]
+    time: Array  # (K,) of the trajectory [s]
+    trajectory_w: Array  # (R, K, n, 2) of the first R trials [m]
+
+
+def simulate(
+    setup: Scenario,
+    case: Case,
+    trials: Sequence[int],
+    *,
+    recorded: int = 0,
+    threads: int = 1,
+    progress: Progress = lambda share: None,
+) -> Outcome:
+    """Runs trials of one case.
+
+    Args:
+        setup: The study's configuration.
+        case: Plant, perception and estimator.
+        trials: Numbers of the trials, length B; a trial's result depends on its number, not on the others.
+        recorded: R, for how many of them the trajectory is kept.
+        threads: Of the rigid plant.
+        progress: Called now and then.
+    """
+    tick = setup.processor.tick
+    sample_ticks, control_ticks = scenario.periods(setup, case.estimator)
+    duration_ticks = round(setup.duration / tick)
+    position_w, heading = starts(setup, trials)
+    clocks = Clocks(
+        sample_ticks=sample_ticks, control_ticks=control_ticks, phase=np.zeros(heading.shape, dtype=np.int64)
+    )
+    plant = _plant(setup, case, position_w, heading, threads)
+    perception = _perception(setup, case, sample_ticks * tick, trials)
+    radio = Radio(scenario.link(setup, case.estimator), setup.robots, setup.seed, trials)
+    field = scenario.field(setup, case.estimator)
+    scorer = Scorer(_formation(setup, case, field), LEADER_W, plant.state, duration_ticks * tick)
+    recorder = _Recorder(plant.state, recorded, duration_ticks * tick)
+    force_w = np.zeros_like(position_w)
+    age_sum, age_count = np.zeros(len(trials)), np.zeros(len(trials))
+
+    for now, then in clocks.events(duration_ticks):
+        state, time = plant.state, np.full(heading.shape, now * tick)
+        sampling, acting = clocks.due(now, sample_ticks), clocks.due(now, control_ticks)
+        if sampling.any():
+            belief = perception.observe(state, sampling)
+            radio.broadcast(belief.position_w, time, sampling)
+        if acting.any():
+            heard = radio.heard(time)
+            command_w = potential_field.total_force(
+                belief.position_w, belief.velocity_w, LEADER_W, heard.position_w, heard.known, field
+            )
+            force_w = np.where(acting[..., None], command_w, force_w)
+            used = heard.known & acting[..., None]
+            age_sum += np.where(used, time[..., None] - heard.sampled_at, 0.0).sum(axis=(1, 2))
+            age_count += used.sum(axis=(1, 2))
+            scorer.control(state)
+        for look in plant.step(force_w, (then - now) * tick):
+            scorer.look(look)
+            recorder.look(look)
+        progress(then / duration_ticks)
+    scorer.control(plant.state)
+    with np.errstate(invalid="ignore"):
+        message_age = age_sum / age_count
+    return Outcome(
+        scores=scorer.scores(),
+        diverged=plant.diverged.copy(),
+        message_age=message_age,
+        final_position_w=plant.state.position_w,
+        final_heading=plant.state.heading,
+        time=recorder.times,
+        trajectory_w=recorder.trajectory_w,
+    )
+
+
+def starts(setup: Scenario, trials: Sequence[int]) -> tuple[Array, Array]:
+    """Returns where the robots start: a regular polygon turned at random, its centroid left of the leader.
+
+    Args:
+        setup: The study's configuration.
+        trials: Numbers of the trials, length B.
+
+    Returns:
+        Positions, (B, n, 2) [m], and headings, (B, n) [rad].
+    """
+    n, options = setup.robots, setup.start
+    turn = np.array([g.random() for g in generators(setup.seed, trials, Purpose.START)]) * 2.0 * np.pi
+    corner = turn[:, None] + 2.0 * np.pi * np.arange(n) / n
+    radius = potential_field.polygon_well_radius(options.spacing, n)
+    centroid_w = LEADER_W - np.array([options.distance, 0.0])
+    position_w = centroid_w + radius * np.stack([np.cos(corner), np.sin(corner)], axis=-1)
+    if options.headings == "leader":
+        to_leader = LEADER_W - position_w
+        return position_w, np.arctan2(to_leader[..., 1], to_leader[..., 0])
+    uniform = np.array([g.random(n) for g in generators(setup.seed, trials, Purpose.HEADING)])
+    return position_w, (2.0 * uniform - 1.0) * np.pi
+
+
+def _plant(setup: Scenario, case: Case, position_w: Array, heading: Array, threads: int) -> Plant:
+    match case.plant:
+        case "particle":
+            return ParticlePlant(setup.mass, position_w, heading)
+        case "rigid":
+            # Imported here so that studies of particles do without starting MuJoCo's thread pool.
+            from dynabot_mj.plants.rigid_body import RigidBodyPlant
+
+            return RigidBodyPlant(position_w, heading, threads)
+
+
+def _perception(setup: Scenario, case: Case, sample_period: float, trials: Sequence[int]) -> Perception:
+    match case.perception:
+        case None:
+            return PerfectPerception()
+        case "gauss-markov":
+            return GaussMarkovPerception(
+                scenario.method(setup, case.estimator).uncertainty,
+                setup.surrogate.correlation_time,
+                sample_period,
+                setup.robots,
+                setup.seed,
+                trials,
+            )
+
+
+def _formation(setup: Scenario, case: Case, field: potential_field.PotentialField) -> Formation:
+    vehicle = scene.read_robot().vehicle
+    return Formation(
+        well_radius=field.leader.radius,
+        spacing=field.neighbour.radius,
+        width=setup.field.width,
+        tolerance=scenario.method(setup, case.estimator).uncertainty,
+        collision_distance=setup.collision_distance,
+        length=vehicle.length,
+        breadth=vehicle.breadth,
+    )
+
+
+class _Recorder:
+    """Keeps the positions of the first trials on a common grid of times, whatever the plant's own steps."""
+
+    def __init__(self, state: FleetState, recorded: int, duration: float) -> None:
+        count = int(duration / TRAJECTORY_INTERVAL + 1e-9) + 1
+        self.times = TRAJECTORY_INTERVAL * np.arange(count, dtype=np.float64)
+        self.trajectory_w = np.full((recorded, len(self.times), *state.position_w.shape[1:]), np.nan)
+        self.trajectory_w[:, 0] = state.position_w[:recorded]
+        self._next, self._previous = 1, state
+
+    def look(self, state: FleetState) -> None:
+        """Takes a state; those between looks are interpolated linearly."""
+        while self._next < len(self.times) and self.times[self._next] <= state.time + 1e-9:
+            position_w = interpolate(self._previous, state, self.times[self._next])
+            self.trajectory_w[:, self._next] = position_w[: len(self.trajectory_w)]
+            self._next += 1
+        self._previous = state
