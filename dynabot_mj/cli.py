@@ -5,17 +5,21 @@ is all that a command prints on standard output; progress goes to standard error
 """
 
 import argparse
+import contextlib
 import json
 import os
 import shlex
+import shutil
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from dynabot_mj import __version__, files
 from dynabot_mj.errors import InputError
+
+_CHUNKS = ".chunks"  # finished parts of a study, until it is complete
 
 
 class _Parser(argparse.ArgumentParser):
@@ -56,15 +60,14 @@ def compare(options: argparse.Namespace) -> None:
     study = _run(setup, folder, options, "compare")
     wall_s = time.monotonic() - start
     table = experiment.markdown(study)
-    document = experiment.document(study, wall_s)
-    with files.staged(folder) as stage:
-        _save(stage, study, options, wall_s)
+    document = experiment.document(study)
+    with _results(folder, study, options, wall_s) as stage:
         (stage / "table.md").write_text(table, encoding="utf-8")
-        (stage / "compare.json").write_text(_json({**document, "wall_s": None}), encoding="utf-8")
+        (stage / "compare.json").write_text(_json(document), encoding="utf-8")
         figures.save(figures.table_iii(study), stage / "table_iii.png")
         for estimator in dict.fromkeys(setup.estimators):
             figures.save(figures.trajectories(study, estimator), stage / f"trajectories_{estimator}.png")
-    _print(options, document, f"{table}\n{wall_s:.0f} s; results in {folder}")
+    _print(options, {**document, "wall_s": round(wall_s, 3)}, f"{table}\n{wall_s:.0f} s; results in {folder}")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -89,10 +92,9 @@ def run(options: argparse.Namespace) -> None:
     study = _run(setup, folder, options, "run")
     wall_s = time.monotonic() - start
     case = study.isel(case=0)
-    row = experiment.document(study, wall_s)["rows"][0]
+    row = experiment.document(study)["rows"][0]
     row["final_position_m"] = case.final_position_w.isel(trial=0).values.tolist()
-    with files.staged(folder) as stage:
-        _save(stage, study, options, wall_s)
+    with _results(folder, study, options, wall_s) as stage:
         figures.save(figures.trajectories(study, setup.estimators[0]), stage / "trajectories.png")
     places = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in row["final_position_m"])
     text = experiment.markdown(study) + f"\nfinal positions [m]: {places}\n{wall_s:.1f} s; results in {folder}"
@@ -227,24 +229,22 @@ def _run(setup: Any, folder: Path, options: argparse.Namespace, title: str) -> A
     """Runs a study with progress; its finished chunks outlive an interruption."""
     from dynabot_mj import progress, study
 
-    chunks = folder / ".chunks"
     execution = study.Execution(
         workers=options.workers,
         threads=options.threads,
         scheduler=options.scheduler,
-        chunks=chunks,
+        chunks=folder / _CHUNKS,
         resume=options.resume,
     )
     with progress.shown(title) as tell:
         return study.run(setup, execution, tell)
 
 
-def _save(stage: Path, dataset: Any, options: argparse.Namespace, wall_s: float) -> None:
-    """Writes what every study leaves behind: Dataset, configuration, and how it was executed."""
+@contextlib.contextmanager
+def _results(folder: Path, dataset: Any, options: argparse.Namespace, wall_s: float) -> Iterator[Path]:
+    """Yields a folder for further results beside what every study leaves behind, and keeps them all at once."""
     from dynabot_mj import study
 
-    study.save(dataset, stage / "study.nc")
-    (stage / "study.toml").write_text(dataset.attrs["configuration"], encoding="utf-8")
     execution = {
         "command": shlex.join(["dynabot", *sys.argv[1:]]),
         "workers": options.workers,
@@ -252,7 +252,12 @@ def _save(stage: Path, dataset: Any, options: argparse.Namespace, wall_s: float)
         "wall_s": round(wall_s, 3),
         "cores": os.cpu_count(),
     }
-    (stage / "execution.json").write_text(_json(execution), encoding="utf-8")
+    with files.staged(folder) as stage:
+        study.save(dataset, stage / "study.nc")
+        (stage / "study.toml").write_text(dataset.attrs["configuration"], encoding="utf-8")
+        (stage / "execution.json").write_text(_json(execution), encoding="utf-8")
+        yield stage
+    shutil.rmtree(folder / _CHUNKS, ignore_errors=True)
 
 
 def _print(options: argparse.Namespace, document: Any, text: str) -> None:

@@ -43,6 +43,9 @@ class RigidBodyPlant:
             threads: Of MuJoCo; they change the speed, never the result.
         """
         trials, robots = heading.shape
+        # MuJoCo would print its warnings, from several threads, and append them to a file in the working directory;
+        # the batch counts them, and those that matter are reported as divergence.
+        mujoco.set_mju_user_warning(lambda message: None)
         robot = scene.read_robot()
         self._vehicle = robot.vehicle
         self._hand_point, self._traction = steering.HandPoint(), traction.Traction()

@@ -1,0 +1,163 @@
+"""The command line through its real entry point."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import dynabot_mj
+
+COMMAND = Path(sys.executable).parent / "dynabot"
+
+
+def dynabot(*arguments, cwd=None):
+    command = [COMMAND, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, cwd=cwd, check=False)
+
+
+def test_schedule_prints_one_json_document():
+    done = dynabot("schedule", "--json")
+    assert done.returncode == 0
+    document = json.loads(done.stdout)
+    assert (document["robots"], document["utilisation"]) == (3, 1.0)
+    rows = {row["estimator"]: row for row in document["rows"]}
+    assert {name: row["period_ms"] for name, row in rows.items()} == {"gps": 27, "decoupled": 36, "coupled": 156}
+    assert rows["coupled"]["period_exact_ms"] == pytest.approx(155.98, abs=0.005)
+    # Judged before rounding: worth a word, not an error.
+    assert "gps at 27 ms loads the processor 1.0015" in done.stderr
+
+
+@pytest.mark.parametrize("robots", range(2, 8))
+def test_schedule_serves_every_fleet(robots):
+    rows = json.loads(dynabot("schedule", "--json", "--robots", robots).stdout)["rows"]
+    assert rows[0]["period_ms"] < rows[1]["period_ms"] < rows[2]["period_ms"]
+
+
+def test_compare_writes_results_that_can_be_fed_back_in(tmp_path):
+    first = dynabot("compare", "--trials", 2, "--duration", 14, "--seed", 3, "--json", "--out", tmp_path / "a")
+    assert first.returncode == 0, first.stderr
+    document = json.loads(first.stdout)
+    assert len(document["rows"]) == 8
+    assert document["wall_s"] > 0
+    names = {file.name for file in (tmp_path / "a").iterdir()}
+    assert names == {
+        "study.nc", "study.toml", "execution.json", "table.md", "compare.json", "table_iii.png",
+        "trajectories_perfect.png", "trajectories_gps.png", "trajectories_decoupled.png", "trajectories_coupled.png",
+    }  # fmt: skip
+    again = dynabot(
+        "compare",
+        "--config",
+        tmp_path / "a" / "study.toml",
+        "--threads",
+        2,
+        "--workers",
+        1,
+        "--json",
+        "--out",
+        tmp_path / "b",
+    )
+    assert (tmp_path / "a" / "study.nc").read_bytes() == (tmp_path / "b" / "study.nc").read_bytes()
+    assert {**json.loads(again.stdout), "wall_s": 0} == {**document, "wall_s": 0}
+    text = dynabot("compare", "--config", tmp_path / "a" / "study.toml", "--out", tmp_path / "b")
+    assert "| decoupled" in text.stdout
+    assert str(tmp_path / "b") in text.stdout
+
+
+def test_run_prints_one_row_and_reproduces_a_trial_of_a_study(tmp_path):
+    dynabot("compare", "--trials", 3, "--duration", 14, "--estimators", "gps", "--out", tmp_path / "study")
+    done = dynabot(
+        "run", "--reproduce", f"{tmp_path / 'study'}:rigid/gauss-markov/gps:2", "--json", "--out", tmp_path / "a"
+    )
+    assert done.returncode == 0, done.stderr
+    fresh = dynabot("run", "--estimator", "gps", "--trial", 2, "--duration", 14, "--json", "--out", tmp_path / "b")
+    assert done.stdout == fresh.stdout
+    row = json.loads(done.stdout)
+    assert (row["plant"], row["estimator"], row["trials"]) == ("rigid", "gps", 1)
+    assert len(row["final_position_m"]) == 3
+    assert (tmp_path / "a" / "trajectories.png").is_file()
+
+
+NONSENSE = [
+    (["compare", "--robots", "0"], "robots = 0"),
+    (["compare", "--robots", "9"], "robots = 9"),
+    (["compare", "--trials", "-1"], "trials = -1"),
+    (["compare", "--trials", "x"], "invalid int value: 'x'"),
+    (["compare", "--estimators", "foo"], "invalid choice: 'foo'"),
+    (["compare", "--estimators"], "expected at least one argument"),
+    (["compare", "--duration", "nan"], "duration = nan"),
+    (["compare", "--seed", "-1"], "seed = -1"),
+    (["compare", "--workers", "0"], "--workers 0 given"),
+    (["compare", "--utilisation", "0.1"], "the utilisation bound is 0.1"),
+    (["compare", "--bogus"], "unrecognized arguments: --bogus"),
+    (["compare", "--config", "unknown.toml"], "unknown key bogus"),
+    (["compare", "--config", "type.toml"], "trials = 'many'"),
+    (["compare", "--config", "mass.toml"], "mass = -12.0"),
+    (["compare", "--config", "light.toml"], "mass = 10 kg given; with the rigid plant"),
+    (["compare", "--config", "binary.toml"], "not a text file"),
+    (["compare", "--config", "absent.toml"], "No such file"),
+    (["compare", "--config", "."], "Is a directory"),
+    (["compare", "--out", "unknown.toml/below"], "cannot write to the folder"),
+    (["run", "--reproduce", "nothing"], "it must be STUDY:CASE:TRIAL"),
+    (["run", "--reproduce", "nothing:rigid/perfect:0"], "cannot read the study nothing"),
+    (["run", "--trial", "-1"], "first_trial = -1"),
+    (["schedule", "--utilisation", "1.7"], "utilisation 1.7 given, allowed is 0 < U <= 1"),
+    (["schedule", "--utilisation", "nan"], "allowed is 0 < U <= 1"),
+    (["schedule", "--utilisation", "0.1"], "GPS parsing alone"),
+    (["schedule", "--robots", "8"], "8 robots given, allowed are 2 to 7"),
+    ([], "required"),
+    (["bogus"], "invalid choice: 'bogus'"),
+]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"), NONSENSE, ids=lambda value: " ".join(value) if isinstance(value, list) else ""
+)
+def test_nonsense_is_one_line_and_code_2_before_any_work(arguments, message, tmp_path):
+    (tmp_path / "unknown.toml").write_text("bogus = 1")
+    (tmp_path / "type.toml").write_text("trials = 'many'")
+    (tmp_path / "mass.toml").write_text("mass = -12.0")
+    (tmp_path / "light.toml").write_text("mass = 10.0")
+    (tmp_path / "binary.toml").write_bytes(bytes(range(128, 256)))
+    before = sorted(tmp_path.iterdir())
+    done = dynabot(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stdout == ""
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_ctrl_c_keeps_finished_parts_and_resume_continues(tmp_path):
+    options = ["--trials", "120", "--duration", "30", "--plants", "particle", "--workers", "2", "--out", str(tmp_path)]
+    process = subprocess.Popen(
+        [COMMAND, "compare", *options], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline and not list(tmp_path.glob(".chunks/*.pickle")):
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert err.splitlines()[-1].startswith("dynabot: interrupted")
+    assert out == ""
+    assert [path.name for path in tmp_path.iterdir()] == [".chunks"]
+    assert not [path for path in tmp_path.rglob("*") if "partial" in path.name]
+    resumed = dynabot("compare", *options, "--resume")
+    assert resumed.returncode == 0
+    assert not (tmp_path / ".chunks").exists()
+
+
+def test_importing_the_package_imports_nothing_heavy():
+    code = "import sys, dynabot_mj; sys.exit(any(name in sys.modules for name in ('numpy', 'mujoco', 'matplotlib')))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_version_and_module_entry_point():
+    assert dynabot("--version").stdout.strip() == f"dynabot-mj {dynabot_mj.__version__}"
+    done = subprocess.run([sys.executable, "-m", "dynabot_mj", "--help"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    assert "compare" in done.stdout

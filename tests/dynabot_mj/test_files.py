@@ -1,0 +1,29 @@
+import pytest
+
+from dynabot_mj import files
+from dynabot_mj.errors import InputError
+
+
+def test_results_appear_only_when_all_are_complete(tmp_path):
+    (tmp_path / "a.txt").write_text("old")
+
+    def interrupted():
+        with files.staged(tmp_path) as stage:
+            (stage / "a.txt").write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("a.txt", "old")]
+    with files.staged(tmp_path) as stage:
+        (stage / "a.txt").write_text("new")
+        (stage / "b.txt").write_text("more")
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"a.txt": "new", "b.txt": "more"}
+
+
+def test_an_unwritable_folder_is_refused(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="cannot write to the folder"):
+        files.require_writable(tmp_path / "file" / "below")
+    files.require_writable(tmp_path / "new" / "deep")
+    assert list((tmp_path / "new" / "deep").iterdir()) == []
