@@ -104,36 +104,25 @@ def run(options: argparse.Namespace) -> None:
 def schedule(options: argparse.Namespace) -> None:
     """Shortest periods that the processor can keep, Eqs. 1-3."""
     from dynabot_mj import schedule as eqs
-    from dynabot_mj import testbed
 
-    rows = []
-    for name, figures in testbed.TABLE_II.items():
-        exact = eqs.period(options.robots, figures.estimation_time, options.utilisation)
-        rounded = eqs.rounded(exact)
-        rows.append(
-            {
-                "estimator": name,
-                "t_se_ms": round(1e3 * figures.estimation_time, 9),
-                "period_exact_ms": 1e3 * exact,
-                "period_ms": round(1e3 * rounded, 9),
-            }
-        )
-        load = eqs.utilisation(options.robots, figures.estimation_time, rounded, rounded)
-        if load > options.utilisation:
+    rows = eqs.table(options.robots, options.utilisation)
+    for row in rows:
+        if row.load > options.utilisation:
             print(
-                f"note: {name} at {1e3 * rounded:g} ms loads the processor {load:.4f}, above {options.utilisation:g}; "
-                "feasibility is judged before rounding",
+                f"note: {row.estimator} at {row.period_ms:g} ms loads the processor {row.load:.4f}, "
+                f"above {options.utilisation:g}; feasibility is judged before rounding",
                 file=sys.stderr,
             )
-    lines = [
-        f"{options.robots} robots, utilisation bound {options.utilisation:g}",
-        "estimator    t_se [ms]  T exact [ms]  T [ms]",
-    ]
-    lines += [
-        f"{row['estimator']:<11}  {row['t_se_ms']:9.1f}  {row['period_exact_ms']:12.2f}  {row['period_ms']:6g}"
-        for row in rows
-    ]
-    _print(options, {"robots": options.robots, "utilisation": options.utilisation, "rows": rows}, "\n".join(lines))
+    keys = ("estimator", "t_se_ms", "period_exact_ms", "period_ms")
+    document = {
+        "robots": options.robots,
+        "utilisation": options.utilisation,
+        "rows": [{key: getattr(row, key) for key in keys} for row in rows],
+    }
+    text = [f"{options.robots} robots, utilisation bound {options.utilisation:g}"]
+    text += ["estimator  t_se [ms]  T exact [ms]  T [ms]"]
+    text += [f"{r.estimator:<9}  {r.t_se_ms:9.1f}  {r.period_exact_ms:12.2f}  {r.period_ms:6g}" for r in rows]
+    _print(options, document, "\n".join(text))
 
 
 def _parser() -> _Parser:
@@ -155,7 +144,7 @@ def _parser() -> _Parser:
     study.add_argument("--utilisation", type=float, help="bound U of Eq. 1 (default 1.0; Table I says 0.95)")
     study.add_argument("--headings", choices=HEADINGS, help="at the start (default random)")
     study.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default out/COMMAND)")
-    study.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
+    study.add_argument("--workers", type=int, default=_cores(), help="processes (default: all cores)")
     study.add_argument("--threads", type=int, default=1, help="of MuJoCo in each process (default 1)")
     study.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that works in place of the processes")
     study.add_argument("--resume", action="store_true", help="continue an interrupted run of the same study")
@@ -250,7 +239,7 @@ def _results(folder: Path, dataset: Any, options: argparse.Namespace, wall_s: fl
         "workers": options.workers,
         "threads": options.threads,
         "wall_s": round(wall_s, 3),
-        "cores": os.cpu_count(),
+        "cores": _cores(),
     }
     with files.staged(folder) as stage:
         study.save(dataset, stage / "study.nc")
@@ -258,6 +247,14 @@ def _results(folder: Path, dataset: Any, options: argparse.Namespace, wall_s: fl
         (stage / "execution.json").write_text(_json(execution), encoding="utf-8")
         yield stage
     shutil.rmtree(folder / _CHUNKS, ignore_errors=True)
+
+
+def _cores() -> int:
+    """Returns how many cores this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on this system
+        return os.cpu_count() or 1
 
 
 def _print(options: argparse.Namespace, document: Any, text: str) -> None:

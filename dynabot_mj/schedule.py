@@ -8,8 +8,10 @@ Periods are kept by a timer of whole ticks. Feasibility is judged on the exact p
 as the authors must have done: their 27 and 36 ms load the processor 1.0015 and 1.0106.
 """
 
+from dataclasses import dataclass
+
 from dynabot_mj.errors import InfeasibleScheduleError, InputError
-from dynabot_mj.testbed import FLEET_SIZE, TASK_TIMES, TaskTimes
+from dynabot_mj.testbed import FLEET_SIZE, TABLE_II, TASK_TIMES, TaskTimes
 
 TICK = 1e-3  # the timer tick that the periods of Table III are whole multiples of [s]
 
@@ -101,6 +103,45 @@ def require_feasible(
             f"{exact:.4f}, the utilisation bound is {utilisation_bound:g}; "
             f"the shortest common period is {1e3 * period(robots, estimation_time, utilisation_bound):.2f} ms"
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """The period of one estimator of Table II."""
+
+    estimator: str
+    t_se_ms: float
+    period_exact_ms: float  # Eq. 3
+    period_ms: float  # rounded to the timer's tick
+    load: float  # of the processor at the rounded period, Eq. 2
+
+
+def table(robots: int, utilisation_bound: float = 1.0) -> list[Row]:
+    """Returns the shortest common periods of all estimators of Table II.
+
+    Args:
+        robots: Number of robots n, 2 to 7.
+        utilisation_bound: U, 0 < U <= 1.
+
+    Raises:
+        InputError: If n or U is outside its range.
+        InfeasibleScheduleError: If GPS parsing alone fills the processor.
+    """
+    rows = []
+    for estimator, figures in TABLE_II.items():
+        exact = period(robots, figures.estimation_time, utilisation_bound)
+        kept = rounded(exact)
+        rows.append(
+            Row(
+                estimator=estimator,
+                # Behind the ninth digit there is floating-point noise.
+                t_se_ms=round(1e3 * figures.estimation_time, 9),
+                period_exact_ms=1e3 * exact,
+                period_ms=round(1e3 * kept, 9),
+                load=utilisation(robots, figures.estimation_time, kept, kept),
+            )
+        )
+    return rows
 
 
 def rounded(period_s: float, tick: float = TICK) -> float:
