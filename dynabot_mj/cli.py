@@ -177,14 +177,14 @@ def _parser() -> _Parser:
 
 def _scenario(options: argparse.Namespace, **others: Any) -> Any:
     """Builds the configuration: defaults, then the file, then the options."""
-    from dynabot_mj import scenario
+    from dynabot_mj import configuration, scenario
 
     for name in ("workers", "threads"):
         if getattr(options, name) < 1:
             raise InputError(f"--{name} {getattr(options, name)} given, it must be at least 1")
     names = ("seed", "robots", "duration", "utilisation", "headings", "trials")
     given = {**{name: getattr(options, name, None) for name in names}, **others}
-    setup = scenario.load_file(options.config, **given) if options.config else scenario.build({}, **given)
+    setup = configuration.load_file(options.config, **given) if options.config else configuration.build({}, **given)
     if "rigid" in setup.plants:
         from dynabot_mj import scene
 
@@ -194,7 +194,7 @@ def _scenario(options: argparse.Namespace, **others: Any) -> Any:
 
 def _reproduced(options: argparse.Namespace) -> Any:
     """Builds the configuration of one trial of a saved study."""
-    from dynabot_mj import scenario, study
+    from dynabot_mj import configuration, scenario, study
 
     try:
         folder, label, trial = options.reproduce.rsplit(":", 2)
@@ -211,14 +211,15 @@ def _reproduced(options: argparse.Namespace) -> Any:
         raise InputError(f"case {label!r} given, the study has: {', '.join(labels)}")
     if number not in saved.trial.values:
         raise InputError(f"trial {number} given, the study has {saved.trial.values[0]} to {saved.trial.values[-1]}")
-    return scenario.one_trial(scenario.load(saved.attrs["configuration"], str(path)), label, number)
+    return scenario.one_trial(configuration.load(saved.attrs["configuration"], str(path)), label, number)
 
 
 def _run(setup: Any, folder: Path, options: argparse.Namespace, title: str) -> Any:
     """Runs a study with progress; its finished chunks outlive an interruption."""
     from dynabot_mj import progress, study
+    from dynabot_mj.execution import Execution
 
-    execution = study.Execution(
+    execution = Execution(
         workers=options.workers,
         threads=options.threads,
         scheduler=options.scheduler,

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from dynabot_mj import scenario, statistics, testbed
+from dynabot_mj import configuration, scenario, statistics, testbed
 from dynabot_mj.experiments import compare
 from dynabot_mj.experiments.compare import Row
 from dynabot_mj.scenario import Scenario
@@ -54,7 +54,7 @@ def trajectories(study: xr.Dataset, estimator: str) -> Figure:
     Returns:
         The figure; positions in metres.
     """
-    setup = scenario.load(study.attrs["configuration"], "the study's configuration")
+    setup = configuration.load(study.attrs["configuration"], "the study's configuration")
     cases = [study.isel(case=i) for i in range(study.sizes["case"]) if study.estimator.values[i] == estimator]
     with plt.rc_context(_STYLE):
         figure, axes = plt.subplots(

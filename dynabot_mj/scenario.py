@@ -1,19 +1,14 @@
-"""The configuration of a study: frozen, validated, TOML in and out.
+"""What a study is: the frozen configuration, and what follows from it: cases, periods, fields, radio links.
 
-Precedence is defaults < TOML < command line. The defaults reproduce Table III of the paper; those that the paper does
-not give are one parameter set found to do so, not an identification. `"auto"` marks a value that follows from others;
-it stays in the saved file, which therefore describes the same study when one of those others is changed.
+The defaults reproduce Table III of the paper; those that the paper does not give are one parameter set found to do so,
+not an identification. `"auto"` marks a value that follows from others; it stays in the saved file, which therefore
+describes the same study when one of those others is changed. `dynabot_mj.configuration` reads and writes TOML.
 """
 
-import json
-import tomllib
-from collections.abc import Mapping
-from dataclasses import asdict, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import Annotated, Any, Literal, get_args
 
-import tomli_w
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field
 from pydantic.dataclasses import dataclass
 
 from controllers.potential_field import PotentialField, Well, polygon_well_radius
@@ -153,31 +148,31 @@ class Case:
         return "/".join(part for part in (self.plant, self.perception, self.estimator) if part)
 
 
-def cases(scenario: Scenario) -> list[Case]:
+def cases(setup: Scenario) -> list[Case]:
     """Returns the cases of a study, the plants of one method side by side."""
     return [
         Case(plant=plant, perception=perception, estimator=estimator)
-        for estimator in dict.fromkeys(scenario.estimators)
-        for perception in ([None] if estimator == "perfect" else dict.fromkeys(scenario.perception))
-        for plant in dict.fromkeys(scenario.plants)
+        for estimator in dict.fromkeys(setup.estimators)
+        for perception in ([None] if estimator == "perfect" else dict.fromkeys(setup.perception))
+        for plant in dict.fromkeys(setup.plants)
     ]
 
 
-def method(scenario: Scenario, estimator: EstimatorName) -> Method:
+def method(setup: Scenario, estimator: EstimatorName) -> Method:
     """Returns the parameters of a row."""
-    found: Method = getattr(scenario.method, estimator)
+    found: Method = getattr(setup.method, estimator)
     return found
 
 
-def periods(scenario: Scenario, estimator: EstimatorName) -> tuple[int, int]:
+def periods(setup: Scenario, estimator: EstimatorName) -> tuple[int, int]:
     """Returns the sampling and the control period of a row in whole timer ticks.
 
     Raises:
         InfeasibleScheduleError: If the processor cannot keep them; `perfect` is outside Eq. 2 and not judged.
         InputError: If a given period is not a whole number of ticks.
     """
-    row, processor = method(scenario, estimator), scenario.processor
-    judged = (scenario.robots, row.estimation_time)
+    row, processor = method(setup, estimator), setup.processor
+    judged = (setup.robots, row.estimation_time)
     if row.sample_period == "auto":
         exact = schedule.period(*judged, processor.utilisation)
         sample_period = schedule.rounded(exact, processor.tick)
@@ -198,50 +193,50 @@ def periods(scenario: Scenario, estimator: EstimatorName) -> tuple[int, int]:
     return ticks[0], ticks[1]
 
 
-def one_trial(scenario: Scenario, label: str, trial: int) -> Scenario:
+def one_trial(setup: Scenario, label: str, trial: int) -> Scenario:
     """Returns the study of a single trial of one case.
 
     Args:
-        scenario: The study that has it.
+        setup: The study that has it.
         label: Of the case, see `Case.label`.
         trial: Its number.
     """
-    case = next(case for case in cases(scenario) if case.label == label)
+    case = next(case for case in cases(setup) if case.label == label)
     return replace(
-        scenario,
+        setup,
         trials=1,
         first_trial=trial,
         plants=(case.plant,),
         estimators=(case.estimator,),
-        perception=scenario.perception if case.perception is None else (case.perception,),
+        perception=setup.perception if case.perception is None else (case.perception,),
     )
 
 
-def require_mass(scenario: Scenario, rigid_mass: float) -> None:
+def require_mass(setup: Scenario, rigid_mass: float) -> None:
     """Checks that particles and rigid robots are equally heavy, so that the body is all that differs.
 
     Args:
-        scenario: The study.
+        setup: The study.
         rigid_mass: Of the rigid robot [kg].
 
     Raises:
         InputError: If they are not.
     """
-    if abs(scenario.mass - rigid_mass) > 1e-6:
+    if abs(setup.mass - rigid_mass) > 1e-6:
         raise InputError(
-            f"mass = {scenario.mass:g} kg given; with the rigid plant it must be the model's, {rigid_mass:g} kg"
+            f"mass = {setup.mass:g} kg given; with the rigid plant it must be the model's, {rigid_mass:g} kg"
         )
 
 
-def field(scenario: Scenario, estimator: EstimatorName) -> PotentialField:
+def field(setup: Scenario, estimator: EstimatorName) -> PotentialField:
     """Returns the potential field of a row."""
-    row, options = method(scenario, estimator), scenario.field
+    row, options = method(setup, estimator), setup.field
     neighbour_range = options.neighbour_range
     if neighbour_range == "auto":
-        neighbour_range = 10.0 if scenario.robots <= 5 else 7.5
+        neighbour_range = 10.0 if setup.robots <= 5 else 7.5
     leader = Well(
         gain=row.alpha_h,
-        radius=polygon_well_radius(options.spacing, scenario.robots),
+        radius=polygon_well_radius(options.spacing, setup.robots),
         width=options.width,
         range=options.leader_range,
         closest=options.closest,
@@ -258,106 +253,8 @@ def field(scenario: Scenario, estimator: EstimatorName) -> PotentialField:
     )
 
 
-def link(scenario: Scenario, estimator: EstimatorName) -> Link:
+def link(setup: Scenario, estimator: EstimatorName) -> Link:
     """Returns the radio model of a row; perfect information is instantaneous."""
     if estimator == "perfect":
         return INSTANT_LINK
-    return dynabot_link(scenario.robots, scenario.radio.message_bytes)
-
-
-def load(text: str, origin: str, **options: Any) -> Scenario:
-    """Reads a configuration.
-
-    Args:
-        text: TOML.
-        origin: Where it comes from, for the messages.
-        **options: Top-level keys that override the text's, and `utilisation` and `headings` of their tables.
-
-    Raises:
-        InputError: If the text is not TOML, or a key or a value is not allowed.
-    """
-    try:
-        tree = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{origin} is not TOML: {error}") from error
-    return build(tree, origin, **options)
-
-
-def load_file(path: Path, **options: Any) -> Scenario:
-    """Reads a configuration file; see `load`."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not a text file"
-        raise InputError(f"cannot read the configuration {path}: {reason}") from error
-    return load(text, str(path), **options)
-
-
-def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> Scenario:
-    """Builds a configuration from a tree of plain values and overriding options; see `load`."""
-    merged = dict(tree)
-    for key, value in options.items():
-        table = {"utilisation": "processor", "headings": "start"}.get(key)
-        if value is None:
-            continue
-        if table is None:
-            merged[key] = value
-        elif isinstance(merged.get(table, {}), dict):
-            merged[table] = {**merged.get(table, {}), key: value}
-    for name, rows in _default_rows().items():
-        given = merged.get("method", {})
-        if isinstance(given, dict) and isinstance(given.get(name), dict):
-            # A row that sets one gain keeps the others.
-            merged["method"] = {**given, name: {**rows, **given[name]}}
-    try:
-        # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
-        scenario = TypeAdapter(Scenario).validate_json(json.dumps(merged, default=str))
-    except ValidationError as error:
-        raise InputError(f"{origin}: {_one_line(error)}") from error
-    _check_together(scenario)
-    return scenario
-
-
-def dump(scenario: Scenario) -> str:
-    """Returns the whole configuration as TOML; `load` gives the same scenario back."""
-    return tomli_w.dumps(asdict(scenario))
-
-
-def _default_rows() -> dict[str, dict[str, Any]]:
-    return asdict(Methods())
-
-
-def _check_together(scenario: Scenario) -> None:
-    """Checks what no single value shows.
-
-    Raises:
-        InputError: With the values that do not fit together.
-    """
-    for estimator in scenario.estimators:
-        _, control_ticks = periods(scenario, estimator)
-        control_period = control_ticks * scenario.processor.tick
-        if scenario.duration < control_period:
-            raise InputError(
-                f"duration = {scenario.duration:g} s given, it must be at least the control period of {estimator}, "
-                f"{control_period:g} s"
-            )
-        if (method(scenario, estimator).uncertainty == 0.0) != (estimator == "perfect"):
-            raise InputError(
-                f"method.{estimator}.uncertainty = {method(scenario, estimator).uncertainty:g} m given; "
-                "it is 0 for perfect and positive for all others"
-            )
-
-
-def _one_line(error: ValidationError) -> str:
-    """Returns pydantic's findings as `key = value: what is allowed`, joined."""
-    lines = []
-    for found in error.errors(include_url=False):
-        # Behind the field's own name, a union names its branch and a tuple its index.
-        key = ".".join(
-            str(part) for part in found["loc"] if isinstance(part, str) and not part.startswith(("lit", "con"))
-        )
-        if found["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
-            lines.append(f"unknown key {key}")
-        else:
-            lines.append(f"{key} = {found['input']!r}: {found['msg'][0].lower()}{found['msg'][1:]}")
-    return "; ".join(dict.fromkeys(lines))
+    return dynabot_link(setup.robots, setup.radio.message_bytes)

@@ -2,12 +2,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from dynabot_mj import figures, scenario, study
+from dynabot_mj import configuration, figures, study
 
 
 @pytest.fixture(scope="module")
 def dataset():
-    return study.run(scenario.build({}, trials=2, duration=14.0, estimators=["perfect", "coupled"]))
+    return study.run(configuration.build({}, trials=2, duration=14.0, estimators=["perfect", "coupled"]))
 
 
 def test_colours_are_given_once():

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dynabot_mj import scenario, simulation
+from dynabot_mj import configuration, scenario, simulation
 from dynabot_mj.scenario import Case, Scenario
 from dynabot_mj.simulation import Clocks, simulate, starts
 
@@ -13,7 +13,7 @@ def case(plant, estimator):
 
 
 def run(plant, estimator, trials, recorded=0, **options):
-    return simulate(scenario.build({}, **options), case(plant, estimator), trials, recorded=recorded)
+    return simulate(configuration.build({}, **options), case(plant, estimator), trials, recorded=recorded)
 
 
 def test_robots_start_on_a_polygon_fifty_metres_away():
@@ -26,7 +26,7 @@ def test_robots_start_on_a_polygon_fifty_metres_away():
 
 
 def test_headings_may_face_the_leader():
-    position, heading = starts(scenario.build({}, headings="leader"), range(3))
+    position, heading = starts(configuration.build({}, headings="leader"), range(3))
     ahead = position + np.linalg.norm(position, axis=-1, keepdims=True) * np.stack(
         [np.cos(heading), np.sin(heading)], -1
     )
@@ -97,7 +97,7 @@ def test_sampled_loop_at_the_wells_wall_is_stable_up_to_the_exact_gain_margin():
     # One robot, held command, linearised at the wall: k = alpha / h0^2 there, stable if and only if k < 2 c / T. With
     # T = 156 ms and c = 13 the limit is alpha = 1500; the paper's 500 has a margin of three.
     def swings(alpha):
-        setup = scenario.load(
+        setup = configuration.load(
             f"[method.perfect]\nalpha_h = {alpha}\nalpha_d = 1e-9\nsample_period = 0.156\n"
             "[start]\ndistance = 2.999\nspacing = 1e-3\n[field]\nwidth = 1e-6",
             "test",
@@ -112,7 +112,7 @@ def test_sampled_loop_at_the_wells_wall_is_stable_up_to_the_exact_gain_margin():
 
 
 def test_control_slower_than_sampling_uses_the_same_loop():
-    setup = scenario.load("[method.gps]\nsample_period = 0.027\ncontrol_period = 0.054", "test", duration=20.0)
+    setup = configuration.load("[method.gps]\nsample_period = 0.027\ncontrol_period = 0.054", "test", duration=20.0)
     slow = simulate(setup, case("particle", "gps"), range(5))
     fast = simulate(replace(setup, method=Scenario().method), case("particle", "gps"), range(5))
     assert np.isfinite(slow.final_position_w).all()

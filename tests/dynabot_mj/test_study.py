@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from dynabot_mj import scenario, study
-from dynabot_mj.study import Execution
+from dynabot_mj import configuration, execution, scenario, study
 
-SHORT = scenario.build({}, trials=3, duration=14.0, estimators=["gps"], plants=["particle", "rigid"])
+SHORT = configuration.build({}, trials=3, duration=14.0, estimators=["gps"], plants=["particle", "rigid"])
 
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch):
-    monkeypatch.setattr(study, "CHUNK", 2)
+    monkeypatch.setattr(execution, "CHUNK", 2)
 
 
 @pytest.fixture(scope="module")
@@ -25,19 +24,8 @@ def saved(dataset, path):
     return path.read_bytes()
 
 
-def test_the_same_study_is_the_same_file_whatever_its_execution(dataset, tmp_path):
-    first = saved(dataset, tmp_path / "a.nc")
-    assert saved(study.run(SHORT, Execution(threads=3)), tmp_path / "b.nc") == first
-    assert saved(study.run(SHORT, Execution(workers=2)), tmp_path / "c.nc") == first
-
-
-def test_chunks_do_not_show(dataset, tmp_path, monkeypatch):
-    monkeypatch.setattr(study, "CHUNK", 50)
-    assert saved(study.run(SHORT), tmp_path / "a.nc") == saved(dataset, tmp_path / "b.nc")
-
-
 def test_the_saved_configuration_repeats_the_study(dataset, tmp_path):
-    again = scenario.load(dataset.attrs["configuration"], "saved")
+    again = configuration.load(dataset.attrs["configuration"], "saved")
     assert saved(study.run(again), tmp_path / "a.nc") == saved(dataset, tmp_path / "b.nc")
 
 
@@ -52,35 +40,6 @@ def test_one_trial_can_be_repeated(dataset):
     expected = dataset.sel(case="rigid/gauss-markov/gps", trial=2)
     np.testing.assert_array_equal(one.final_position_w[0, 0], expected.final_position_w)
     assert one.trial.values.tolist() == [2]
-
-
-def test_an_interrupted_study_resumes_where_it_was(dataset, tmp_path):
-    chunks = tmp_path / "chunks"
-    told = []
-
-    def interrupt(share):
-        told.append(share)
-        if share > 0.6:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        study.run(SHORT, Execution(chunks=chunks), interrupt)
-    kept = {file.name: file.stat().st_mtime_ns for file in chunks.iterdir()}
-    assert kept
-    assert not any("partial" in name for name in kept)
-    resumed = study.run(SHORT, Execution(chunks=chunks, resume=True))
-    assert saved(resumed, tmp_path / "a.nc") == saved(dataset, tmp_path / "b.nc")
-    assert all((chunks / name).stat().st_mtime_ns == time for name, time in kept.items())
-    # Another seed is other work: nothing of it is taken from there.
-    other = study.run(replace(SHORT, seed=1), Execution(chunks=chunks, resume=True))
-    assert not (other.final_position_w == dataset.final_position_w).any()
-
-
-def test_progress_rises_to_one():
-    told = []
-    study.run(SHORT, progress=told.append)
-    assert told == sorted(told)
-    assert told[-1] == pytest.approx(1.0)
 
 
 def test_dataset_states_units_and_what_it_depends_on(dataset):
@@ -102,24 +61,15 @@ def test_netcdf_round_trip(dataset, tmp_path):
 
 
 def test_a_diverged_trial_is_nan_and_counted(monkeypatch):
-    simulate = study.simulate
+    simulate = execution.simulate
 
     def diverging(*args, **options):
         outcome = simulate(*args, **options)
         return replace(outcome, diverged=np.arange(len(outcome.diverged)) == 0)
 
-    monkeypatch.setattr(study, "simulate", diverging)
+    monkeypatch.setattr(execution, "simulate", diverging)
     broken = study.run(replace(SHORT, trials=2))
     assert broken.diverged.values.tolist() == [[1, 0], [1, 0]]
     for name in ("collision", "completion", "top_speed", "closest", "message_age"):
         assert np.isnan(broken[name][:, 0]).all()
         assert np.isfinite(broken[name][:, 1]).all()
-
-
-def test_a_dask_cluster_gives_the_same_result(dataset, tmp_path):
-    distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
-    ) as cluster:
-        remote = study.run(SHORT, Execution(scheduler=cluster.scheduler_address))
-    assert saved(remote, tmp_path / "a.nc") == saved(dataset, tmp_path / "b.nc")

@@ -3,13 +3,13 @@ import json
 import numpy as np
 import pytest
 
-from dynabot_mj import scenario, study
+from dynabot_mj import configuration, study
 from dynabot_mj.experiments import compare
 
 
 @pytest.fixture(scope="module")
 def dataset():
-    return study.run(scenario.build({}, trials=4, duration=14.0, estimators=["perfect", "gps"]))
+    return study.run(configuration.build({}, trials=4, duration=14.0, estimators=["perfect", "gps"]))
 
 
 def test_document_is_json_without_nan_and_with_the_keys_of_the_interface(dataset):

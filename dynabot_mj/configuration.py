@@ -1,0 +1,109 @@
+"""Configurations from TOML and options, and back to TOML.
+
+Precedence is defaults < TOML < command line. Whatever is wrong is told in one line.
+"""
+
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+from pydantic import TypeAdapter, ValidationError
+
+from dynabot_mj.errors import InputError
+from dynabot_mj.scenario import Methods, Scenario, method, periods
+
+
+def load(text: str, origin: str, **options: Any) -> Scenario:
+    """Reads a configuration.
+
+    Args:
+        text: TOML.
+        origin: Where it comes from, for the messages.
+        **options: Top-level keys that override the text's, and `utilisation` and `headings` of their tables.
+
+    Raises:
+        InputError: If the text is not TOML, or a key or a value is not allowed.
+    """
+    try:
+        tree = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{origin} is not TOML: {error}") from error
+    return build(tree, origin, **options)
+
+
+def load_file(path: Path, **options: Any) -> Scenario:
+    """Reads a configuration file; see `load`."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not a text file"
+        raise InputError(f"cannot read the configuration {path}: {reason}") from error
+    return load(text, str(path), **options)
+
+
+def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> Scenario:
+    """Builds a configuration from a tree of plain values and overriding options; see `load`."""
+    merged = dict(tree)
+    for key, value in options.items():
+        table = {"utilisation": "processor", "headings": "start"}.get(key)
+        if value is None:
+            continue
+        if table is None:
+            merged[key] = value
+        elif isinstance(merged.get(table, {}), dict):
+            merged[table] = {**merged.get(table, {}), key: value}
+    for name, rows in asdict(Methods()).items():
+        given = merged.get("method", {})
+        if isinstance(given, dict) and isinstance(given.get(name), dict):
+            # A row that sets one gain keeps the others.
+            merged["method"] = {**given, name: {**rows, **given[name]}}
+    try:
+        # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
+        setup = TypeAdapter(Scenario).validate_json(json.dumps(merged, default=str))
+    except ValidationError as error:
+        raise InputError(f"{origin}: {_one_line(error)}") from error
+    _check_together(setup)
+    return setup
+
+
+def dump(setup: Scenario) -> str:
+    """Returns the whole configuration as TOML; `load` gives the same scenario back."""
+    return tomli_w.dumps(asdict(setup))
+
+
+def _check_together(setup: Scenario) -> None:
+    """Checks what no single value shows.
+
+    Raises:
+        InputError: With the values that do not fit together.
+    """
+    for estimator in setup.estimators:
+        _, control_ticks = periods(setup, estimator)
+        control_period = control_ticks * setup.processor.tick
+        if setup.duration < control_period:
+            raise InputError(
+                f"duration = {setup.duration:g} s given, it must be at least the control period of {estimator}, "
+                f"{control_period:g} s"
+            )
+        if (method(setup, estimator).uncertainty == 0.0) != (estimator == "perfect"):
+            raise InputError(
+                f"method.{estimator}.uncertainty = {method(setup, estimator).uncertainty:g} m given; "
+                "it is 0 for perfect and positive for all others"
+            )
+
+
+def _one_line(error: ValidationError) -> str:
+    """Returns pydantic's findings as `key = value: what is allowed`, joined."""
+    lines = []
+    for found in error.errors(include_url=False):
+        # Behind the field's own name, a union names its branch (such as "constrained-float") and a tuple its index.
+        key = ".".join(part for part in found["loc"] if isinstance(part, str) and part.isidentifier())
+        if found["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
+            lines.append(f"unknown key {key}")
+        else:
+            lines.append(f"{key} = {found['input']!r}: {found['msg'][0].lower()}{found['msg'][1:]}")
+    return "; ".join(dict.fromkeys(lines))

@@ -1,0 +1,72 @@
+from dataclasses import replace
+
+import pytest
+
+from dynabot_mj import configuration, execution, study
+from dynabot_mj.execution import Execution
+
+SHORT = configuration.build({}, trials=3, duration=14.0, estimators=["gps"], plants=["particle", "rigid"])
+
+
+@pytest.fixture(autouse=True)
+def small_chunks(monkeypatch):
+    monkeypatch.setattr(execution, "CHUNK", 2)
+
+
+@pytest.fixture(scope="module")
+def dataset():
+    return study.run(SHORT)
+
+
+def saved(dataset, path):
+    study.save(dataset, path)
+    return path.read_bytes()
+
+
+def test_the_same_study_is_the_same_file_whatever_its_execution(dataset, tmp_path):
+    first = saved(dataset, tmp_path / "a.nc")
+    assert saved(study.run(SHORT, Execution(threads=3)), tmp_path / "b.nc") == first
+    assert saved(study.run(SHORT, Execution(workers=2)), tmp_path / "c.nc") == first
+
+
+def test_chunks_do_not_show(dataset, tmp_path, monkeypatch):
+    monkeypatch.setattr(execution, "CHUNK", 50)
+    assert saved(study.run(SHORT), tmp_path / "a.nc") == saved(dataset, tmp_path / "b.nc")
+
+
+def test_an_interrupted_study_resumes_where_it_was(dataset, tmp_path):
+    chunks = tmp_path / "chunks"
+    told = []
+
+    def interrupt(share):
+        told.append(share)
+        if share > 0.6:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        study.run(SHORT, Execution(chunks=chunks), interrupt)
+    kept = {file.name: file.stat().st_mtime_ns for file in chunks.iterdir()}
+    assert kept
+    assert not any("partial" in name for name in kept)
+    resumed = study.run(SHORT, Execution(chunks=chunks, resume=True))
+    assert saved(resumed, tmp_path / "a.nc") == saved(dataset, tmp_path / "b.nc")
+    assert all((chunks / name).stat().st_mtime_ns == time for name, time in kept.items())
+    # Another seed is other work: nothing of it is taken from there.
+    other = study.run(replace(SHORT, seed=1), Execution(chunks=chunks, resume=True))
+    assert not (other.final_position_w == dataset.final_position_w).any()
+
+
+def test_progress_rises_to_one():
+    told = []
+    study.run(SHORT, progress=told.append)
+    assert told == sorted(told)
+    assert told[-1] == pytest.approx(1.0)
+
+
+def test_a_dask_cluster_gives_the_same_result(dataset, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    ) as cluster:
+        remote = study.run(SHORT, Execution(scheduler=cluster.scheduler_address))
+    assert saved(remote, tmp_path / "a.nc") == saved(dataset, tmp_path / "b.nc")
