@@ -105,14 +105,20 @@ def table_iii(study: xr.Dataset) -> Figure:
             axis.set_ylim(bottom=0.0)
         axes[2].set_ylim(0.0, 105.0)
         legend = [
-            Patch(facecolor="white", edgecolor="#444444", hatch="////", label="paper, 100 trials"),
+            Patch(
+                facecolor="white",
+                edgecolor="#444444",
+                hatch="////",
+                label=f"paper, {testbed.ROBOTS} robots, {testbed.TRIALS_TABLE_III} trials",
+            ),
             Patch(facecolor="#444444", alpha=0.45, label=PLANT_NAMES["particle"]),
             Patch(facecolor="#444444", label=PLANT_NAMES["rigid"]),
         ]
         figure.legend(handles=legend, loc="outside lower center", ncols=3)
-        trials, seed = study.sizes["trial"], study.attrs["seed"]
+        robots, trials, seed = study.sizes["robot"], study.sizes["trial"], study.attrs["seed"]
         figure.suptitle(
-            f"Table III of the paper and {trials} trials here (seed {seed}); rates with 95 % Wilson intervals",
+            f"Table III of the paper and {trials} trials of {robots} robots here (seed {seed}); "
+            "rates with 95 % Wilson intervals",
             fontsize=11,
         )
     return figure

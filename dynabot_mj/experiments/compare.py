@@ -13,7 +13,7 @@ import xarray as xr
 
 from dynabot_mj import statistics
 from dynabot_mj.statistics import Mean, Rate
-from dynabot_mj.testbed import TABLE_III
+from dynabot_mj.testbed import ROBOTS, TABLE_III
 
 # JSON name and Dataset variable of what is compared between plants, trial by trial.
 PAIRED_METRICS = {
@@ -137,7 +137,7 @@ def markdown(study: xr.Dataset) -> str:
     lines = [
         f"# Formation of {robots} robots, {trials} trials of {duration:g} s, seed {study.attrs['seed']}",
         "",
-        *_aligned(_header(), _body(summary)),
+        *_aligned(_header(), _body(summary, robots)),
         "",
         "Rates in % with 95 % Wilson intervals; settling as mean ± sd over the n trials that neither collided nor",
         "stayed unsettled. Hulls: footprints overlap. Band 1 m: the completion criterion common to all rows.",
@@ -182,7 +182,9 @@ def _header() -> list[str]:
     ]
 
 
-def _body(summary: Sequence[Row]) -> list[list[str]]:
+def _body(summary: Sequence[Row], robots: int) -> list[list[str]]:
+    # The paper has results for three robots only; beside another fleet they are a point of reference.
+    paper = "paper" if robots == ROBOTS else f"paper, {ROBOTS} robots"
     body = []
     methods = [(one.estimator, one.perception) for one in summary]
     for estimator, perception in dict.fromkeys(methods):
@@ -193,7 +195,7 @@ def _body(summary: Sequence[Row]) -> list[list[str]]:
             settling += f" ± {published.settling_sd:g}"
         head = [estimator, f"{first.period_ms:g}", f"{first.alpha_h:g}, {first.alpha_d:g}"]
         share = [f"{100 * published.collision:.0f}", f"{100 * published.completion:.0f}"]
-        body.append([*head, "paper", settling, "", "", "", share[0], "", share[1], "", ""])
+        body.append([*head, paper, settling, "", "", "", share[0], "", share[1], "", ""])
         for one in of_method:
             body.append(
                 [
