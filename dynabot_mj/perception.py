@@ -22,6 +22,13 @@ class Belief:
     position_w: Array  # (B, n, 2) [m]
     velocity_w: Array  # (B, n, 2) [m/s]
 
+    def renewed(self, fresh: "Belief", due: BoolArray) -> "Belief":
+        """Returns this belief with that of the robots that are due, (B, n), replaced by a fresh one."""
+        return Belief(
+            position_w=np.where(due[..., None], fresh.position_w, self.position_w),
+            velocity_w=np.where(due[..., None], fresh.velocity_w, self.velocity_w),
+        )
+
 
 class Perception(Protocol):
     """Turns the fleet's true state into what each robot believes."""

@@ -15,7 +15,7 @@ from controllers import potential_field
 from dynabot_mj import scenario, scene
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.metrics import Formation, Scorer, Scores, interpolate
-from dynabot_mj.perception import GaussMarkovPerception, Perception, PerfectPerception
+from dynabot_mj.perception import Belief, GaussMarkovPerception, Perception, PerfectPerception
 from dynabot_mj.plants import FleetState, Plant
 from dynabot_mj.plants.particle import ParticlePlant
 from dynabot_mj.radio import Radio
@@ -71,6 +71,7 @@ def simulate(
     case: Case,
     trials: Sequence[int],
     *,
+    phase: npt.NDArray[np.int64] | None = None,
     recorded: int = 0,
     threads: int = 1,
     progress: Progress = lambda share: None,
@@ -81,6 +82,7 @@ def simulate(
         setup: The study's configuration.
         case: Plant, perception and estimator.
         trials: Numbers of the trials, length B; a trial's result depends on its number, not on the others.
+        phase: Of each robot's clock, (B, n) [ticks]: its first event; None where all share one clock.
         recorded: R, for how many of them the trajectory is kept.
         threads: Of the rigid plant.
         progress: Called now and then.
@@ -89,15 +91,16 @@ def simulate(
     sample_ticks, control_ticks = scenario.periods(setup, case.estimator)
     duration_ticks = round(setup.duration / tick)
     position_w, heading = starts(setup, trials)
-    clocks = Clocks(
-        sample_ticks=sample_ticks, control_ticks=control_ticks, phase=np.zeros(heading.shape, dtype=np.int64)
-    )
+    if phase is None:
+        phase = np.zeros(heading.shape, dtype=np.int64)
+    clocks = Clocks(sample_ticks=sample_ticks, control_ticks=control_ticks, phase=phase)
     plant = _plant(setup, case, position_w, heading, threads)
     perception = _perception(setup, case, sample_ticks * tick, trials)
     radio = Radio(scenario.link(setup, case.estimator), setup.robots, setup.seed, trials)
     field = scenario.field(setup, case.estimator)
     scorer = Scorer(_formation(setup, case, field), LEADER_W, plant.state, duration_ticks * tick)
     recorder = _Recorder(plant.state, recorded, duration_ticks * tick)
+    belief = Belief(position_w=position_w, velocity_w=np.zeros_like(position_w))
     force_w = np.zeros_like(position_w)
     age_sum, age_count = np.zeros(len(trials)), np.zeros(len(trials))
 
@@ -105,7 +108,7 @@ def simulate(
         state, time = plant.state, np.full(heading.shape, now * tick)
         sampling, acting = clocks.due(now, sample_ticks), clocks.due(now, control_ticks)
         if sampling.any():
-            belief = perception.observe(state, sampling)
+            belief = belief.renewed(perception.observe(state, sampling), sampling)
             radio.broadcast(belief.position_w, time, sampling)
         if acting.any():
             heard = radio.heard(time)

@@ -1,6 +1,6 @@
 import numpy as np
 
-from dynabot_mj.perception import GaussMarkovPerception, PerfectPerception
+from dynabot_mj.perception import Belief, GaussMarkovPerception, PerfectPerception
 from dynabot_mj.plants import FleetState
 
 ZERO = np.zeros((300, 3, 2))
@@ -32,3 +32,13 @@ def test_robots_that_are_not_due_keep_their_error():
 def test_perfect_perception_is_the_truth():
     belief = PerfectPerception().observe(STATE, EVERYBODY)
     np.testing.assert_array_equal(belief.position_w, STATE.position_w)
+
+
+def test_a_belief_is_renewed_for_the_robots_that_are_due():
+    old, fresh = Belief(position_w=ZERO, velocity_w=ZERO), Belief(position_w=ZERO + 1.0, velocity_w=ZERO + 2.0)
+    due = EVERYBODY.copy()
+    due[:, 0] = False
+    renewed = old.renewed(fresh, due)
+    assert (renewed.position_w[:, 0] == 0.0).all()
+    assert (renewed.position_w[:, 1:] == 1.0).all()
+    assert (renewed.velocity_w[:, 1:] == 2.0).all()
