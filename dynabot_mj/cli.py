@@ -9,16 +9,17 @@ import contextlib
 import json
 import os
 import shlex
-import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from dynabot_mj import __version__, files
 from dynabot_mj.errors import InputError
 
+_SCIENCE = ("seed", "robots", "duration", "utilisation", "headings", "trials")  # options that override the TOML
+_NONE: Mapping[str, Any] = {}
 _CHUNKS = ".chunks"  # finished parts of a study, until it is complete
 
 
@@ -33,15 +34,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command and returns its exit code."""
     try:
         options = _parser().parse_args(arguments)
+        for name in ("workers", "threads"):
+            if getattr(options, name, 1) < 1:
+                raise InputError(f"--{name} {getattr(options, name)} given, it must be at least 1")
         command: Callable[[argparse.Namespace], None] = options.function
         command(options)
     except InputError as error:
         print(f"dynabot: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("dynabot: interrupted; finished parts are kept, --resume continues from them", file=sys.stderr)
+        print("dynabot: interrupted; --resume continues from what was finished", file=sys.stderr)
         return 1
-    except BrokenPipeError:
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError):
+            print(f"dynabot: {error}", file=sys.stderr)
+            return 1
+
         # Whoever read our output has gone, e.g. `dynabot compare | head`.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
@@ -61,7 +69,7 @@ def compare(options: argparse.Namespace) -> None:
     wall_s = time.monotonic() - start
     table = experiment.markdown(study)
     document = experiment.document(study)
-    with _results(folder, study, options, wall_s) as stage:
+    with _results(folder, setup, study, options, wall_s) as stage:
         (stage / "table.md").write_text(table, encoding="utf-8")
         (stage / "compare.json").write_text(_json(document), encoding="utf-8")
         figures.save(figures.table_iii(study), stage / "table_iii.png")
@@ -72,32 +80,25 @@ def compare(options: argparse.Namespace) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """One trial of one case."""
+    import numpy as np
+
     from dynabot_mj import figures
     from dynabot_mj.experiments import compare as experiment
 
     folder = options.out or Path("out/run")
-    if options.reproduce:
-        setup = _reproduced(options)
-    else:
-        setup = _scenario(
-            options,
-            trials=1,
-            first_trial=options.trial,
-            plants=[options.plant],
-            estimators=[options.estimator],
-            perception=[options.perception],
-        )
+    setup = _reproduced(options) if options.reproduce else _single(options)
     files.require_writable(folder)
     start = time.monotonic()
     study = _run(setup, folder, options, "run")
     wall_s = time.monotonic() - start
     case = study.isel(case=0)
     row = experiment.document(study)["rows"][0]
-    row["final_position_m"] = case.final_position_w.isel(trial=0).values.tolist()
-    with _results(folder, study, options, wall_s) as stage:
+    places = case.final_position_w.isel(trial=0).values
+    row["final_position_m"] = [[float(x) if np.isfinite(x) else None for x in place] for place in places]
+    with _results(folder, setup, study, options, wall_s) as stage:
         figures.save(figures.trajectories(study, setup.estimators[0]), stage / "trajectories.png")
-    places = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in row["final_position_m"])
-    text = experiment.markdown(study) + f"\nfinal positions [m]: {places}\n{wall_s:.1f} s; results in {folder}"
+    shown = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places)
+    text = experiment.markdown(study) + f"\nfinal positions [m]: {shown}\n{wall_s:.1f} s; results in {folder}"
     _print(options, row, text)
 
 
@@ -107,12 +108,7 @@ def schedule(options: argparse.Namespace) -> None:
 
     rows = eqs.table(options.robots, options.utilisation)
     for row in rows:
-        if row.load > options.utilisation:
-            print(
-                f"note: {row.estimator} at {row.period_ms:g} ms loads the processor {row.load:.4f}, "
-                f"above {options.utilisation:g}; feasibility is judged before rounding",
-                file=sys.stderr,
-            )
+        _note_load(row.estimator, row.load, options.utilisation)
     keys = ("estimator", "t_se_ms", "period_exact_ms", "period_ms")
     document = {
         "robots": options.robots,
@@ -123,6 +119,12 @@ def schedule(options: argparse.Namespace) -> None:
     text += ["estimator  t_se [ms]  T exact [ms]  T [ms]"]
     text += [f"{r.estimator:<9}  {r.t_se_ms:9.1f}  {r.period_exact_ms:12.2f}  {r.period_ms:6g}" for r in rows]
     _print(options, document, "\n".join(text))
+
+
+def _folder(text: str) -> Path:
+    if not text:
+        raise argparse.ArgumentTypeError("an empty name given, it must be a folder")
+    return Path(text)
 
 
 def _parser() -> _Parser:
@@ -140,10 +142,10 @@ def _parser() -> _Parser:
     study.add_argument("--config", type=Path, metavar="FILE.toml", help="configuration; options override it")
     study.add_argument("--seed", type=int, help="seed of all random numbers (default 0)")
     study.add_argument("--robots", type=int, help="number of robots, 2 to 7 (default 3)")
-    study.add_argument("--duration", type=float, help="of a trial [s] (default 80)")
+    study.add_argument("--duration", type=float, help="of a trial [s] (default 80; below 13 nothing settles)")
     study.add_argument("--utilisation", type=float, help="bound U of Eq. 1 (default 1.0; Table I says 0.95)")
     study.add_argument("--headings", choices=HEADINGS, help="at the start (default random)")
-    study.add_argument("--out", type=Path, metavar="DIR", help="folder of the results (default out/COMMAND)")
+    study.add_argument("--out", type=_folder, metavar="DIR", help="folder of the results (default out/COMMAND)")
     study.add_argument("--workers", type=int, default=_cores(), help="processes (default: all cores)")
     study.add_argument("--threads", type=int, default=1, help="of MuJoCo in each process (default 1)")
     study.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that works in place of the processes")
@@ -157,10 +159,10 @@ def _parser() -> _Parser:
     command.set_defaults(function=compare)
 
     command = commands.add_parser("run", parents=[study], help=run.__doc__, description=run.__doc__)
-    command.add_argument("--plant", choices=PLANTS, default="rigid")
-    command.add_argument("--estimator", choices=ESTIMATORS, default="decoupled")
-    command.add_argument("--perception", choices=PERCEPTIONS, default="gauss-markov")
-    command.add_argument("--trial", type=int, default=0, help="its number (default 0)")
+    command.add_argument("--plant", choices=PLANTS, help="default rigid")
+    command.add_argument("--estimator", choices=ESTIMATORS, help="default decoupled")
+    command.add_argument("--perception", choices=PERCEPTIONS, help="default gauss-markov")
+    command.add_argument("--trial", type=int, help="its number (default 0)")
     command.add_argument(
         "--reproduce",
         metavar="STUDY:CASE:TRIAL",
@@ -175,33 +177,51 @@ def _parser() -> _Parser:
     return parser
 
 
-def _scenario(options: argparse.Namespace, **others: Any) -> Any:
+def _scenario(options: argparse.Namespace, defaults: Mapping[str, Any] = _NONE, **others: Any) -> Any:
     """Builds the configuration: defaults, then the file, then the options."""
-    from dynabot_mj import configuration, scenario
+    from dynabot_mj import configuration
 
-    for name in ("workers", "threads"):
-        if getattr(options, name) < 1:
-            raise InputError(f"--{name} {getattr(options, name)} given, it must be at least 1")
-    names = ("seed", "robots", "duration", "utilisation", "headings", "trials")
-    given = {**{name: getattr(options, name, None) for name in names}, **others}
-    setup = configuration.load_file(options.config, **given) if options.config else configuration.build({}, **given)
-    if "rigid" in setup.plants:
-        from dynabot_mj import scene
+    given = {**{name: getattr(options, name, None) for name in _SCIENCE}, **others}
+    if options.config:
+        return configuration.load_file(options.config, defaults, **given)
+    return configuration.build(defaults, **given)
 
-        scenario.require_mass(setup, scene.read_robot().vehicle.mass)
+
+def _single(options: argparse.Namespace) -> Any:
+    """Builds the configuration of one trial of one case."""
+    setup = _scenario(
+        options,
+        {"plants": ["rigid"], "estimators": ["decoupled"]},
+        trials=1,
+        first_trial=options.trial,
+        **{name: [value] if value else None for name, value in _single_choices(options).items()},
+    )
+    for name, option in (("plants", "plant"), ("estimators", "estimator"), ("perception", "perception")):
+        choices = dict.fromkeys(getattr(setup, name))
+        if len(choices) > 1:
+            raise InputError(f"{', '.join(choices)} given by {options.config}; run takes one: choose with --{option}")
     return setup
+
+
+def _single_choices(options: argparse.Namespace) -> dict[str, str | None]:
+    return {"plants": options.plant, "estimators": options.estimator, "perception": options.perception}
 
 
 def _reproduced(options: argparse.Namespace) -> Any:
     """Builds the configuration of one trial of a saved study."""
     from dynabot_mj import configuration, scenario, study
 
+    others = ("config", "plant", "estimator", "perception", "trial", *_SCIENCE)
+    if given := [name for name in others if getattr(options, name, None) is not None]:
+        raise InputError(f"--{given[0]} given with --reproduce, which takes everything from the saved study")
     try:
         folder, label, trial = options.reproduce.rsplit(":", 2)
         number = int(trial)
     except ValueError:
         raise InputError(f"--reproduce {options.reproduce!r} given, it must be STUDY:CASE:TRIAL") from None
     path = Path(folder) / "study.nc" if Path(folder).is_dir() else Path(folder)
+    if not path.is_file():
+        raise InputError(f"there is no study at {path}")
     try:
         saved = study.load(path)
     except (OSError, ValueError) as error:
@@ -216,8 +236,11 @@ def _reproduced(options: argparse.Namespace) -> Any:
 
 def _run(setup: Any, folder: Path, options: argparse.Namespace, title: str) -> Any:
     """Runs a study with progress; its finished chunks outlive an interruption."""
-    from dynabot_mj import progress, study
+    from dynabot_mj import progress, scenario, study
     from dynabot_mj.execution import Execution
+
+    for estimator, load in scenario.loads(setup).items():
+        _note_load(estimator, load, setup.processor.utilisation)
 
     execution = Execution(
         workers=options.workers,
@@ -230,10 +253,21 @@ def _run(setup: Any, folder: Path, options: argparse.Namespace, title: str) -> A
         return study.run(setup, execution, tell)
 
 
+def _note_load(estimator: str, load: float, bound: float) -> None:
+    """Says that rounding the periods to the timer's tick overloads the processor, as in the paper."""
+    if load > bound + 5e-5:  # in the digits shown
+        print(
+            f"note: the rounded periods of {estimator} load the processor {load:.4f}, above {bound:g}; "
+            "feasibility is judged before rounding",
+            file=sys.stderr,
+        )
+
+
 @contextlib.contextmanager
-def _results(folder: Path, dataset: Any, options: argparse.Namespace, wall_s: float) -> Iterator[Path]:
+def _results(folder: Path, setup: Any, dataset: Any, options: argparse.Namespace, wall_s: float) -> Iterator[Path]:
     """Yields a folder for further results beside what every study leaves behind, and keeps them all at once."""
     from dynabot_mj import study
+    from dynabot_mj.execution import forget
 
     execution = {
         "command": shlex.join(["dynabot", *sys.argv[1:]]),
@@ -247,7 +281,7 @@ def _results(folder: Path, dataset: Any, options: argparse.Namespace, wall_s: fl
         (stage / "study.toml").write_text(dataset.attrs["configuration"], encoding="utf-8")
         (stage / "execution.json").write_text(_json(execution), encoding="utf-8")
         yield stage
-    shutil.rmtree(folder / _CHUNKS, ignore_errors=True)
+    forget(setup, folder / _CHUNKS)
 
 
 def _cores() -> int:

@@ -13,17 +13,23 @@ from typing import Any
 import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
+from controllers.potential_field import polygon_well_radius
+from dynabot_mj import scene
 from dynabot_mj.errors import InputError
-from dynabot_mj.scenario import Methods, Scenario, method, periods
+from dynabot_mj.scenario import Methods, Scenario, field, method, periods
+
+_NONE: Mapping[str, Any] = {}
 
 
-def load(text: str, origin: str, **options: Any) -> Scenario:
+def load(text: str, origin: str, defaults: Mapping[str, Any] = _NONE, **options: Any) -> Scenario:
     """Reads a configuration.
 
     Args:
         text: TOML.
         origin: Where it comes from, for the messages.
-        **options: Top-level keys that override the text's, and `utilisation` and `headings` of their tables.
+        defaults: Top-level keys that stand where the text has none, in place of the configuration's own defaults.
+        **options: Top-level keys that override the text's, and `utilisation` and `headings` of their tables; None where
+            not given.
 
     Raises:
         InputError: If the text is not TOML, or a key or a value is not allowed.
@@ -32,17 +38,17 @@ def load(text: str, origin: str, **options: Any) -> Scenario:
         tree = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{origin} is not TOML: {error}") from error
-    return build(tree, origin, **options)
+    return build({**defaults, **tree}, origin, **options)
 
 
-def load_file(path: Path, **options: Any) -> Scenario:
+def load_file(path: Path, defaults: Mapping[str, Any] = _NONE, **options: Any) -> Scenario:
     """Reads a configuration file; see `load`."""
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not a text file"
         raise InputError(f"cannot read the configuration {path}: {reason}") from error
-    return load(text, str(path), **options)
+    return load(text, str(path), defaults, **options)
 
 
 def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> Scenario:
@@ -66,7 +72,7 @@ def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> S
         setup = TypeAdapter(Scenario).validate_json(json.dumps(merged, default=str))
     except ValidationError as error:
         raise InputError(f"{origin}: {_one_line(error)}") from error
-    _check_together(setup)
+    check(setup)
     return setup
 
 
@@ -75,7 +81,7 @@ def dump(setup: Scenario) -> str:
     return tomli_w.dumps(asdict(setup))
 
 
-def _check_together(setup: Scenario) -> None:
+def check(setup: Scenario) -> None:
     """Checks what no single value shows.
 
     Raises:
@@ -89,21 +95,49 @@ def _check_together(setup: Scenario) -> None:
                 f"duration = {setup.duration:g} s given, it must be at least the control period of {estimator}, "
                 f"{control_period:g} s"
             )
-        if (method(setup, estimator).uncertainty == 0.0) != (estimator == "perfect"):
+        uncertainty = method(setup, estimator).uncertainty
+        if (uncertainty == 0.0) != (estimator == "perfect"):
             raise InputError(
-                f"method.{estimator}.uncertainty = {method(setup, estimator).uncertainty:g} m given; "
+                f"method.{estimator}.uncertainty = {uncertainty:g} m given; "
                 "it is 0 for perfect and positive for all others"
+            )
+        wells = field(setup, estimator)
+        for name, well in (("leader_range", wells.leader), ("neighbour_range", wells.neighbour)):
+            if well.range <= well.radius + well.width:
+                raise InputError(
+                    f"field.{name} = {well.range:g} m given, it must be beyond the well's floor, which ends at "
+                    f"{well.radius + well.width:g} m"
+                )
+    start = setup.start
+    if start.spacing <= setup.collision_distance:
+        raise InputError(
+            f"start.spacing = {start.spacing:g} m given, it must be beyond the collision distance, "
+            f"{setup.collision_distance:g} m"
+        )
+    farthest = start.distance + polygon_well_radius(start.spacing, setup.robots)
+    if farthest >= setup.field.leader_range:
+        raise InputError(
+            f"field.leader_range = {setup.field.leader_range:g} m given; it must reach the start, up to {farthest:g} m "
+            "from the leader, or nothing draws the robots there"
+        )
+    if "rigid" in setup.plants:
+        rigid_mass = scene.read_robot().vehicle.mass
+        # The same mass, so that the body is all that differs.
+        if abs(setup.mass - rigid_mass) > 1e-6:
+            raise InputError(
+                f"mass = {setup.mass:g} kg given; with the rigid plant it must be the model's, {rigid_mass:g} kg"
             )
 
 
 def _one_line(error: ValidationError) -> str:
     """Returns pydantic's findings as `key = value: what is allowed`, joined."""
-    lines = []
+    lines: dict[str, str] = {}
     for found in error.errors(include_url=False):
         # Behind the field's own name, a union names its branch (such as "constrained-float") and a tuple its index.
         key = ".".join(part for part in found["loc"] if isinstance(part, str) and part.isidentifier())
         if found["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
-            lines.append(f"unknown key {key}")
+            lines[key] = f"unknown key {key}"
         else:
-            lines.append(f"{key} = {found['input']!r}: {found['msg'][0].lower()}{found['msg'][1:]}")
-    return "; ".join(dict.fromkeys(lines))
+            # What a union or a tuple adds behind its first finding is about our types, not about the input.
+            lines.setdefault(key, f"{key} = {found['input']!r}: {found['msg'][0].lower()}{found['msg'][1:]}")
+    return "; ".join(lines.values())

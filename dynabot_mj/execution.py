@@ -12,12 +12,15 @@ import importlib.metadata
 import multiprocessing
 import pickle
 import platform
-import signal
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import controllers
+import dynabot_mj
+import estimation
+import models
 from dynabot_mj import __version__, configuration, files, scenario
 from dynabot_mj.errors import InputError
 from dynabot_mj.scenario import Case, Scenario
@@ -55,13 +58,14 @@ class _Chunk:
     @property
     def name(self) -> str:
         """A file name that only the same work has: whatever changes the result changes the name."""
-        content = (configuration.dump(replace(self.setup, trials=1, first_trial=0)), versions(), asdict(self.case))
+        setup = configuration.dump(replace(self.setup, trials=1, first_trial=0))
+        content = (setup, versions(), _source_digest(), asdict(self.case))
         key = hashlib.sha256(repr((content, self.trials, self.recorded)).encode()).hexdigest()[:16]
         return f"{self.case.label.replace('/', '-')}-{self.trials.start}-{key}.pickle"
 
     @property
     def weight(self) -> float:
-        """Rough seconds of work; nothing but the estimate of the remaining time depends on it."""
+        """Rough seconds of work, for the estimate of the remaining time and the order of the chunks."""
         per_trial = {"particle": 2e-4, "rigid": 1.5e-3 * self.setup.robots}[self.case.plant]
         events = 1e3 / scenario.periods(self.setup, self.case.estimator)[1]
         return self.setup.duration * (len(self.trials) * per_trial + events * 3e-4)
@@ -104,6 +108,9 @@ def execute(setup: Scenario, how: Execution, progress: Progress) -> dict[Case, l
     outcomes: dict[int, Outcome] = {}
     if how.chunks is not None:
         how.chunks.mkdir(parents=True, exist_ok=True)
+        kept = {file.name for file in how.chunks.iterdir()}
+        if how.resume and kept and not kept & {chunk.name for chunk in chunks}:
+            raise InputError(f"{how.chunks} holds parts of another study (or of another version); run without --resume")
         for index, chunk in enumerate(chunks):
             file = how.chunks / chunk.name
             if how.resume and file.is_file():
@@ -121,10 +128,29 @@ def execute(setup: Scenario, how: Execution, progress: Progress) -> dict[Case, l
     return by_case
 
 
+def forget(setup: Scenario, folder: Path) -> None:
+    """Deletes the finished chunks of a study, and the folder where it holds nothing else."""
+    for chunk in _chunks(setup, threads=1):
+        (folder / chunk.name).unlink(missing_ok=True)
+    with contextlib.suppress(OSError):
+        folder.rmdir()
+
+
 def versions() -> str:
     """Returns the versions that a result depends on, as one line."""
     libraries = (f"{name} {importlib.metadata.version(name)}" for name in _LIBRARIES)
     return ", ".join([f"dynabot-mj {__version__}", f"python {platform.python_version()}", *libraries])
+
+
+@functools.cache
+def _source_digest() -> str:
+    """Returns a digest of our code and models: a resumed study must not mix the results of two versions of them."""
+    digest = hashlib.sha256()
+    for package in (models, controllers, estimation, dynabot_mj):
+        folder = Path(package.__path__[0])
+        for file in sorted([*folder.rglob("*.py"), *folder.rglob("*.xml")]):
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
 
 
 def _chunks(setup: Scenario, threads: int) -> Iterator[_Chunk]:
@@ -160,7 +186,9 @@ def _execute(todo: Mapping[int, _Chunk], how: Execution, tally: _Tally) -> Itera
             stack.enter_context(executor)
         # Long chunks first, so that no worker is left with one at the end.
         order = sorted(todo, key=lambda index: -todo[index].weight)
-        waiting = {executor.submit(_run_chunk, index, todo[index]): index for index in order}
+        with files.uninterrupted():
+            # Workers are started here and inherit that they ignore Ctrl-C, which reaches every process of a terminal.
+            waiting = {executor.submit(_run_chunk, index, todo[index]): index for index in order}
         try:
             while waiting:
                 done, _ = concurrent.futures.wait(waiting, 0.2, concurrent.futures.FIRST_COMPLETED)
@@ -170,7 +198,7 @@ def _execute(todo: Mapping[int, _Chunk], how: Execution, tally: _Tally) -> Itera
                     yield waiting.pop(future), future.result()
         except BaseException:
             stop.set()
-            executor.shutdown(wait=False, cancel_futures=True)
+            executor.shutdown(wait=True, cancel_futures=True)  # a worker that still starts needs our semaphores
             raise
 
 
@@ -195,8 +223,6 @@ _worker_links: tuple[Any, Any] | None = None
 def _start_worker(reports: Any, stop: Any) -> None:
     global _worker_links
     _worker_links = (reports, stop)
-    # Ctrl-C reaches every process of the terminal; the parent decides.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _run_chunk(index: int, chunk: _Chunk, progress: Progress | None = None) -> Outcome:

@@ -1,5 +1,6 @@
 """Figures of a study. One colour per robot and one per method, the same in every figure; colour-blind safe."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,8 @@ METHOD_NAMES = {
     "coupled": "coupled\nEKF",
 }
 PLANT_NAMES = {"particle": "point masses", "rigid": "rigid bodies"}
+
+_PLANT_ALPHA = {"particle": 0.45, "rigid": 1.0}
 
 _STYLE: dict[Any, Any] = {
     "font.size": 10,
@@ -70,9 +73,13 @@ def trajectories(study: xr.Dataset, estimator: str) -> Figure:
                 _draw_paths(axis, case)
                 _draw_well(axis, setup, estimator)
             axes[0, column].set_title(PLANT_NAMES[str(case.plant.item())])
-            axes[0, column].set_xlim(-setup.start.distance - 4.0, 7.0)
-            axes[0, column].set_ylim(-8.0, 8.0)
-            near = scenario.field(setup, "perfect").leader.radius + setup.field.width + 2.5
+            # The same limits for both plants, so that the paths can be compared.
+            edge = scenario.field(setup, "perfect").leader.radius + setup.field.width
+            near = edge + 2.5
+            paths = study.trajectory_w
+            side = max(edge + 1.0, 1.0 + float(abs(paths.sel(axis="y")).max(skipna=True)))
+            axes[0, column].set_xlim(float(paths.sel(axis="x").min()) - 2.0, edge + 2.0)
+            axes[0, column].set_ylim(-side, side)
             axes[1, column].set_xlim(-near, near)
             axes[1, column].set_ylim(-near, near)
             for axis in axes[:, column]:
@@ -103,6 +110,7 @@ def table_iii(study: xr.Dataset) -> Figure:
             axis.set_xticks(range(len(estimators)), [METHOD_NAMES[name] for name in estimators])
             axis.grid(axis="x", visible=False)
             axis.set_ylim(bottom=0.0)
+            axis.set_xlim(-0.6, max(len(estimators), 2) - 0.4)
         axes[2].set_ylim(0.0, 105.0)
         legend = [
             Patch(
@@ -111,8 +119,10 @@ def table_iii(study: xr.Dataset) -> Figure:
                 hatch="////",
                 label=f"paper, {testbed.ROBOTS} robots, {testbed.TRIALS_TABLE_III} trials",
             ),
-            Patch(facecolor="#444444", alpha=0.45, label=PLANT_NAMES["particle"]),
-            Patch(facecolor="#444444", label=PLANT_NAMES["rigid"]),
+            *(
+                Patch(facecolor="#444444", alpha=_PLANT_ALPHA[plant], label=PLANT_NAMES[plant])
+                for plant in dict.fromkeys(row.plant for row in rows)
+            ),
         ]
         figure.legend(handles=legend, loc="outside lower center", ncols=3)
         robots, trials, seed = study.sizes["robot"], study.sizes["trial"], study.attrs["seed"]
@@ -175,11 +185,11 @@ def _draw_method(axes: Sequence[Axes], index: int, estimator: str, rows: Sequenc
     for row in rows:
         settling = row.settling_s
         shown = [
-            (settling.mean or 0.0, settling.sd or 0.0, settling.sd or 0.0),
+            (math.nan if settling.mean is None else settling.mean, settling.sd or 0.0, settling.sd or 0.0),
             _percent(row.collision),
             _percent(row.completion),
         ]
-        groups.append((shown, {"facecolor": colour, "alpha": 0.45 if row.plant == "particle" else 1.0}))
+        groups.append((shown, {"facecolor": colour, "alpha": _PLANT_ALPHA[row.plant]}))
     for bar, (values, look) in enumerate(groups):
         place = index + (bar - (len(groups) - 1) / 2.0) * (width + 0.03)
         for axis, (height, below, above) in zip(axes, values, strict=True):
@@ -197,5 +207,5 @@ def _published(share: float) -> statistics.Rate:
 def _percent(rate: statistics.Rate) -> tuple[float, float, float]:
     """Returns height and whisker lengths of a rate's bar [%]."""
     if rate.rate is None or rate.low is None or rate.high is None:
-        return 0.0, 0.0, 0.0
+        return math.nan, math.nan, math.nan  # draws nothing
     return 100.0 * rate.rate, 100.0 * max(0.0, rate.rate - rate.low), 100.0 * max(0.0, rate.high - rate.rate)

@@ -3,11 +3,15 @@
 import contextlib
 import os
 import shutil
+import signal
 import tempfile
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 from dynabot_mj.errors import InputError
+
+_LIST = ".results"  # names of the files of the latest results in a folder
 
 
 def require_writable(folder: Path) -> None:
@@ -21,7 +25,8 @@ def require_writable(folder: Path) -> None:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise InputError(f"cannot write to the folder {folder}: {error.strerror}") from error
+        reason = "it is not a folder" if folder.is_file() else error.strerror
+        raise InputError(f"cannot write to the folder {folder}: {reason}") from error
 
 
 def write(path: Path, content: bytes) -> None:
@@ -32,12 +37,35 @@ def write(path: Path, content: bytes) -> None:
 
 
 @contextlib.contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Ignores Ctrl-C, in this process and those started meanwhile, for a moment that must not be cut in two."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread is interrupted
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextlib.contextmanager
 def staged(folder: Path) -> Iterator[Path]:
-    """Yields a folder to write results into; they replace those in `folder` only when all of them are complete."""
+    """Yields a folder to write results into; they replace those in `folder` only when all of them are complete.
+
+    A list of what was written stays beside the results, so that the next ones replace all of them and nothing else.
+    """
     stage = Path(tempfile.mkdtemp(prefix=".partial-", dir=folder))
     try:
         yield stage
-        for file in sorted(stage.iterdir()):
-            os.replace(file, folder / file.name)
+        written = sorted(file.name for file in stage.iterdir())
+        (stage / _LIST).write_text("\n".join(written) + "\n", encoding="utf-8")
+        with uninterrupted():
+            if (folder / _LIST).is_file():
+                earlier = (folder / _LIST).read_text(encoding="utf-8").split("\n")
+                for name in {Path(name).name for name in earlier if name} - set(written):
+                    (folder / name).unlink(missing_ok=True)
+            for name in [*written, _LIST]:
+                os.replace(stage / name, folder / name)
     finally:
         shutil.rmtree(stage, ignore_errors=True)

@@ -4,8 +4,8 @@ The paper names these metrics in a sentence each; the readings below are ours, c
 the distance of robot i from the leader and T the duration:
 
 settling    the mean of r_i over the robots, smoothed by its trailing 3 s mean, has settled at the first sample after
-            the last one that is more than 0.5 m (1 % of 50 m) from the smoothed signal's mean over the last 10 s. A
-            trial whose last sample is outside, or whose robots collided, has no settling time.
+            the last one that is more than 1 % of the start distance (0.5 m) from the smoothed signal's mean over the
+            last 10 s. A trial whose last sample is outside, or whose robots collided, has no settling time.
 collision   two centres come nearer than the collision distance at any time. A rigid robot is larger than that, so the
             footprints (oriented rectangles, one test for both plants) are judged beside; the centres alone decide
             settling and completion.
@@ -24,13 +24,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynabot_mj import testbed
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.plants import FleetState
 
 SMOOTHING = 3.0  # trailing mean [s]
 FINAL_WINDOW = 10.0  # the last part of the run, which settling and completion refer to [s]
-SETTLING_BAND = testbed.SETTLING_SHARE * testbed.START_DISTANCE  # [m]
 COMPLETION_INTERVAL = 0.5  # [s]
 ANNULUS_TOLERANCE = 0.05  # [m]
 COMMON_TOLERANCE = 1.0  # [m]
@@ -44,6 +42,7 @@ class Formation:
     well_radius: float  # h0 [m]
     spacing: float  # d0 [m]
     width: float  # epsilon [m]
+    settling_band: float  # about the final mean distance, 1 % of the start distance [m]
     tolerance: float  # sigma of the method [m]; 0: the annulus criterion
     collision_distance: float  # between centres [m]
     length: float  # of a robot's footprint [m]
@@ -75,12 +74,13 @@ def polygon_radius(formation: Formation, robots: int) -> float:
     return float((formation.well_radius + min(formation.well_radius + formation.width, widest)) / 2.0)
 
 
-def settling_time(time: Array, radius: Array) -> Array:
+def settling_time(time: Array, radius: Array, band: float) -> Array:
     """Returns the 1 % settling time of the mean distance to the leader.
 
     Args:
         time: Sample times, rising, (K,) [s].
         radius: Mean distance of the robots to the leader, (K, B) [m].
+        band: Largest distance from the final value of what has settled [m].
 
     Returns:
         (B,) [s]; NaN where the last sample is outside the band.
@@ -90,7 +90,7 @@ def settling_time(time: Array, radius: Array) -> Array:
     before = np.where((first > 0)[:, None], total[np.maximum(first - 1, 0)], 0.0)
     smooth = (total - before) / (np.arange(len(time)) - first + 1)[:, None]
     final = smooth[time >= time[-1] - FINAL_WINDOW - 1e-9].mean(axis=0)
-    outside = np.abs(smooth - final) > SETTLING_BAND
+    outside = np.abs(smooth - final) > band
     # The sample after the last one outside; 0 where none is outside.
     settled_at = np.where(outside.any(axis=0), len(time) - np.argmax(outside[::-1], axis=0), 0)
     return np.where(outside[-1], np.nan, time[np.minimum(settled_at, len(time) - 1)])
@@ -200,7 +200,7 @@ class Scorer:
         undefined: Array = np.full(len(collision), np.nan)
         settling, completion, common = undefined, undefined, undefined
         if judged:
-            settling = settling_time(np.array(self._times), np.array(self._radii))
+            settling = settling_time(np.array(self._times), np.array(self._radii), self._formation.settling_band)
             settling = np.where(collision, np.nan, settling)
             completed: BoolArray = self._annulus
             if self._formation.tolerance > 0.0:

@@ -94,7 +94,8 @@ class StartOptions:
 class ProcessorOptions:
     """The processor that the tasks share."""
 
-    utilisation: Annotated[float, Field(gt=0.0, le=1.0)] = testbed.UTILISATION_TABLE_III  # U of Eq. 1
+    # U of Eq. 1
+    utilisation: Annotated[float, Field(gt=0.0, le=1.0, allow_inf_nan=False)] = testbed.UTILISATION_TABLE_III
     tick: Positive = schedule.TICK  # of the timer [s]
 
 
@@ -120,7 +121,7 @@ class Scenario:
     first_trial: Annotated[int, Field(ge=0, lt=2**31)] = 0  # trials first_trial .. first_trial + trials - 1 are run
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
     robots: Annotated[int, Field(ge=2, le=testbed.FLEET_SIZE)] = testbed.ROBOTS
-    duration: Annotated[float, Field(gt=0.0, le=10_000.0)] = 80.0  # [s]; ours
+    duration: Annotated[float, Field(gt=0.0, le=10_000.0, allow_inf_nan=False)] = 80.0  # [s]; ours
     plants: Annotated[tuple[PlantName, ...], Field(min_length=1)] = PLANTS
     estimators: Annotated[tuple[EstimatorName, ...], Field(min_length=1)] = ESTIMATORS
     perception: Annotated[tuple[PerceptionName, ...], Field(min_length=1)] = PERCEPTIONS
@@ -193,6 +194,17 @@ def periods(setup: Scenario, estimator: EstimatorName) -> tuple[int, int]:
     return ticks[0], ticks[1]
 
 
+def loads(setup: Scenario) -> dict[EstimatorName, float]:
+    """Returns the load of the processor, Eq. 2, under the periods of each row that is judged by it."""
+    found: dict[EstimatorName, float] = {}
+    for estimator in setup.estimators:
+        if estimator != "perfect":
+            sample_period, control_period = (ticks * setup.processor.tick for ticks in periods(setup, estimator))
+            estimation_time = method(setup, estimator).estimation_time
+            found[estimator] = schedule.utilisation(setup.robots, estimation_time, sample_period, control_period)
+    return found
+
+
 def one_trial(setup: Scenario, label: str, trial: int) -> Scenario:
     """Returns the study of a single trial of one case.
 
@@ -210,22 +222,6 @@ def one_trial(setup: Scenario, label: str, trial: int) -> Scenario:
         estimators=(case.estimator,),
         perception=setup.perception if case.perception is None else (case.perception,),
     )
-
-
-def require_mass(setup: Scenario, rigid_mass: float) -> None:
-    """Checks that particles and rigid robots are equally heavy, so that the body is all that differs.
-
-    Args:
-        setup: The study.
-        rigid_mass: Of the rigid robot [kg].
-
-    Raises:
-        InputError: If they are not.
-    """
-    if abs(setup.mass - rigid_mass) > 1e-6:
-        raise InputError(
-            f"mass = {setup.mass:g} kg given; with the rigid plant it must be the model's, {rigid_mass:g} kg"
-        )
 
 
 def field(setup: Scenario, estimator: EstimatorName) -> PotentialField:

@@ -8,6 +8,7 @@ Periods are kept by a timer of whole ticks. Feasibility is judged on the exact p
 as the authors must have done: their 27 and 36 ms load the processor 1.0015 and 1.0106.
 """
 
+import math
 from dataclasses import dataclass
 
 from dynabot_mj.errors import InfeasibleScheduleError, InputError
@@ -81,7 +82,8 @@ def require_feasible(
 ) -> None:
     """Checks that the processor can keep periods which somebody chose.
 
-    A period stands for every period that rounds to it, so the load is judged with both half a tick longer.
+    A period in whole milliseconds stands for every period that rounds to it, as in the paper, so the load is judged
+    with both half a millisecond (of a finer timer, half a tick) longer.
 
     Args:
         robots: Number of robots n, 2 to 7.
@@ -95,7 +97,8 @@ def require_feasible(
         InfeasibleScheduleError: If the load exceeds the bound; the message names both.
     """
     _check(robots, estimation_time, utilisation_bound)
-    load = utilisation(robots, estimation_time, sample_period + tick / 2, control_period + tick / 2)
+    slack = min(tick, TICK) / 2
+    load = utilisation(robots, estimation_time, sample_period + slack, control_period + slack)
     if load > utilisation_bound:
         exact = utilisation(robots, estimation_time, sample_period, control_period)
         raise InfeasibleScheduleError(
@@ -145,8 +148,9 @@ def table(robots: int, utilisation_bound: float = 1.0) -> list[Row]:
 
 
 def rounded(period_s: float, tick: float = TICK) -> float:
-    """Returns a period rounded to the nearest whole number of timer ticks, at least one [s]."""
-    return max(1, round(period_s / tick)) * tick
+    """Returns a period in whole timer ticks [s]: the nearest, as in the paper; of a coarser timer, the next longer."""
+    ticks = round(period_s / tick) if tick <= TICK else math.ceil(period_s / tick - 1e-9)
+    return max(1, ticks) * tick
 
 
 def _sampling_time(robots: int, estimation_time: float, tasks: TaskTimes) -> float:

@@ -18,9 +18,11 @@ from dynabot_mj.metrics import Formation, Scorer, Scores, interpolate
 from dynabot_mj.perception import Belief, GaussMarkovPerception, Perception, PerfectPerception
 from dynabot_mj.plants import FleetState, Plant
 from dynabot_mj.plants.particle import ParticlePlant
+from dynabot_mj.plants.rigid_body import RigidBodyPlant
 from dynabot_mj.radio import Radio
 from dynabot_mj.scenario import Case, Scenario
 from dynabot_mj.streams import Purpose, generators
+from dynabot_mj.testbed import SETTLING_SHARE
 
 LEADER_W = np.zeros(2)  # the leader's position, known to every robot exactly and at once [m]
 TRAJECTORY_INTERVAL = 0.1  # between the recorded positions [s]
@@ -34,7 +36,7 @@ class Clocks:
 
     sample_ticks: int  # T_s
     control_ticks: int  # T_c
-    phase: npt.NDArray[np.int64]  # (B, n) of each robot's clock; all zero where robots share one
+    phase: npt.NDArray[np.int64]  # (n,) first event of each robot's clock; all zero where robots share one
 
     def events(self, duration_ticks: int) -> Iterator[tuple[int, int]]:
         """Yields the merged calendar: each event's tick, and that of the next one or of the end."""
@@ -48,7 +50,7 @@ class Clocks:
         yield from zip(calendar, [*calendar[1:], duration_ticks], strict=True)
 
     def due(self, tick: int, period: int) -> BoolArray:
-        """Tells which robots have an event with this period at this tick, (B, n)."""
+        """Tells which robots have an event with this period at this tick, (n,)."""
         since = tick - self.phase
         return (since >= 0) & (since % period == 0)
 
@@ -66,6 +68,8 @@ class Outcome:
     trajectory_w: Array  # (R, K, n, 2) of the first R trials [m]
 
 
+# A trial that blows up may overflow on the way to being reported as diverged; 0 / 0 is "nothing heard".
+@np.errstate(over="ignore", invalid="ignore")
 def simulate(
     setup: Scenario,
     case: Case,
@@ -82,7 +86,8 @@ def simulate(
         setup: The study's configuration.
         case: Plant, perception and estimator.
         trials: Numbers of the trials, length B; a trial's result depends on its number, not on the others.
-        phase: Of each robot's clock, (B, n) [ticks]: its first event; None where all share one clock.
+        phase: Of each robot's clock, (n,) [ticks]: its first event; None where all share one clock. It is the same in
+            all trials, whose calendar would otherwise depend on which of them run together.
         recorded: R, for how many of them the trajectory is kept.
         threads: Of the rigid plant.
         progress: Called now and then.
@@ -92,7 +97,7 @@ def simulate(
     duration_ticks = round(setup.duration / tick)
     position_w, heading = starts(setup, trials)
     if phase is None:
-        phase = np.zeros(heading.shape, dtype=np.int64)
+        phase = np.zeros(setup.robots, dtype=np.int64)
     clocks = Clocks(sample_ticks=sample_ticks, control_ticks=control_ticks, phase=phase)
     plant = _plant(setup, case, position_w, heading, threads)
     perception = _perception(setup, case, sample_ticks * tick, trials)
@@ -106,7 +111,9 @@ def simulate(
 
     for now, then in clocks.events(duration_ticks):
         state, time = plant.state, np.full(heading.shape, now * tick)
-        sampling, acting = clocks.due(now, sample_ticks), clocks.due(now, control_ticks)
+        sampling, acting = (
+            np.broadcast_to(clocks.due(now, period), heading.shape) for period in (sample_ticks, control_ticks)
+        )
         if sampling.any():
             belief = belief.renewed(perception.observe(state, sampling), sampling)
             radio.broadcast(belief.position_w, time, sampling)
@@ -125,12 +132,10 @@ def simulate(
             recorder.look(look)
         progress(then / duration_ticks)
     scorer.control(plant.state)
-    with np.errstate(invalid="ignore"):
-        message_age = age_sum / age_count
     return Outcome(
         scores=scorer.scores(),
         diverged=plant.diverged.copy(),
-        message_age=message_age,
+        message_age=age_sum / age_count,
         final_position_w=plant.state.position_w,
         final_heading=plant.state.heading,
         time=recorder.times,
@@ -166,9 +171,6 @@ def _plant(setup: Scenario, case: Case, position_w: Array, heading: Array, threa
         case "particle":
             return ParticlePlant(setup.mass, position_w, heading)
         case "rigid":
-            # Imported here so that studies of particles do without starting MuJoCo's thread pool.
-            from dynabot_mj.plants.rigid_body import RigidBodyPlant
-
             return RigidBodyPlant(position_w, heading, threads)
 
 
@@ -193,6 +195,7 @@ def _formation(setup: Scenario, case: Case, field: potential_field.PotentialFiel
         well_radius=field.leader.radius,
         spacing=field.neighbour.radius,
         width=setup.field.width,
+        settling_band=SETTLING_SHARE * setup.start.distance,
         tolerance=scenario.method(setup, case.estimator).uncertainty,
         collision_distance=setup.collision_distance,
         length=vehicle.length,

@@ -20,11 +20,15 @@ from dynabot_mj.simulation import Outcome
 
 _HERE = Execution()  # in this process
 
-# Of each outcome: where it is, its dimensions behind `case`, unit and meaning. Those of one number per trial are NaN
-# for trials that diverged.
+# Of each outcome: where it is, its dimensions behind `case`, unit and meaning. All are NaN for trials that diverged.
 _TRIAL = ("trial",)
 _VARIABLES = {
-    "settling": ("scores.settling", _TRIAL, "s", "1 % settling time"),
+    "settling": (
+        "scores.settling",
+        _TRIAL,
+        "s",
+        "1 % settling time of the mean distance to the leader",
+    ),
     "settled": ("scores.settled", _TRIAL, "1", "1: settled, 0: not; NaN: collided or too short"),
     "collision": ("scores.collision", _TRIAL, "1", "1: two centres came nearer than the collision distance"),
     "collision_footprint": ("scores.collision_footprint", _TRIAL, "1", "1: two footprints overlapped"),
@@ -47,10 +51,14 @@ def run(setup: Scenario, execution: Execution = _HERE, progress: Progress = lamb
         execution: How to execute it.
         progress: Called now and then.
 
+    Raises:
+        InputError: If the configuration contradicts itself.
+
     Returns:
         Dimensions `case`, `trial`, `robot`, `axis`, `recorded`, `time`; each variable states its unit. Scores of
         diverged trials are NaN.
     """
+    configuration.check(setup)
     return _dataset(setup, execute(setup, execution, progress))
 
 
@@ -79,8 +87,8 @@ def _dataset(setup: Scenario, by_case: Mapping[Case, list[Outcome]]) -> xr.Datas
     }
     for name, (path, dimensions, unit, meaning) in _VARIABLES.items():
         values = joined(path).astype(float)
-        if dimensions == _TRIAL:
-            values = np.where(diverged, np.nan, values)
+        broken = diverged if "trial" in dimensions else diverged[:, : values.shape[1]]
+        values[broken] = np.nan
         variables[name] = (("case", *dimensions), values, {"units": unit, "long_name": meaning})
     rows = [scenario.method(setup, case.estimator) for case in cases]
     periods = np.array([scenario.periods(setup, case.estimator) for case in cases]) * setup.processor.tick

@@ -13,7 +13,7 @@ import xarray as xr
 
 from dynabot_mj import statistics
 from dynabot_mj.statistics import Mean, Rate
-from dynabot_mj.testbed import ROBOTS, TABLE_III
+from dynabot_mj.testbed import ROBOTS, TABLE_III, TableIIIRow
 
 # JSON name and Dataset variable of what is compared between plants, trial by trial.
 PAIRED_METRICS = {
@@ -50,7 +50,8 @@ class Row:
     perception: str | None
     estimator: str
     trials: int
-    period_ms: float
+    period_ms: float  # T_c
+    sample_period_ms: float  # T_s
     alpha_h: float
     alpha_d: float
     settling_s: Settling
@@ -88,6 +89,7 @@ def row(case: xr.Dataset) -> Row:
         trials=case.sizes["trial"],
         # The periods are whole ticks; the digits beyond are floating-point noise.
         period_ms=round(1e3 * case.control_period.item(), 9),
+        sample_period_ms=round(1e3 * case.sample_period.item(), 9),
         alpha_h=case.alpha_h.item(),
         alpha_d=case.alpha_d.item(),
         settling_s=Settling(**asdict(settling), unsettled=statistics.rate(1.0 - case.settled)),
@@ -134,13 +136,15 @@ def markdown(study: xr.Dataset) -> str:
     summary, differences = rows(study), paired(study)
     robots, trials = study.sizes["robot"], study.sizes["trial"]
     duration = study.attrs["duration"]
+    count = f"{trials} trials" if trials > 1 else "1 trial"
     lines = [
-        f"# Formation of {robots} robots, {trials} trials of {duration:g} s, seed {study.attrs['seed']}",
+        f"# Formation of {robots} robots, {count} of {duration:g} s, seed {study.attrs['seed']}",
         "",
         *_aligned(_header(), _body(summary, robots)),
         "",
         "Rates in % with 95 % Wilson intervals; settling as mean ± sd over the n trials that neither collided nor",
-        "stayed unsettled. Hulls: footprints overlap. Band 1 m: the completion criterion common to all rows.",
+        "stayed unsettled. Hulls: footprints overlap. Band 1 m: the completion criterion common to all rows. Runs",
+        "shorter than 13 s have neither settling nor completion (-).",
     ]
     if differences:
         lines += [
@@ -149,13 +153,15 @@ def markdown(study: xr.Dataset) -> str:
             "",
             *_aligned(["estimator", *_DIFFERENCE_HEADER.values()], _difference_body(differences)),
             "",
-            "Mean paired differences with 95 % bootstrap intervals; rates in percentage points.",
+            "Mean paired differences with 95 % bootstrap intervals; rates in percentage points. Settling (n): over the",
+            "n trials that settled without a collision on both plants, which the outcome selects. An interval of no",
+            "width means that all pairs are equal, not that the rates are known exactly: see their intervals above.",
         ]
     return "\n".join(lines) + "\n"
 
 
 _DIFFERENCE_HEADER = {
-    "settling_s": "settling [s]",
+    "settling_s": "settling [s] (n)",
     "top_speed_mps": "top speed [m/s]",
     "collision": "collision",
     "collision_footprint": "hulls",
@@ -167,9 +173,9 @@ _DIFFERENCE_HEADER = {
 def _header() -> list[str]:
     return [
         "estimator",
-        "T_c [ms]",
-        "gains",
         "plant",
+        "T_s, T_c [ms]",
+        "gains",
         "settling [s]",
         "n",
         "unsettled",
@@ -186,21 +192,15 @@ def _body(summary: Sequence[Row], robots: int) -> list[list[str]]:
     # The paper has results for three robots only; beside another fleet they are a point of reference.
     paper = "paper" if robots == ROBOTS else f"paper, {ROBOTS} robots"
     body = []
-    methods = [(one.estimator, one.perception) for one in summary]
-    for estimator, perception in dict.fromkeys(methods):
-        of_method = [one for one in summary if (one.estimator, one.perception) == (estimator, perception)]
-        first, published = of_method[0], TABLE_III[estimator]
-        settling = f"{published.settling:g}"
-        if published.settling_sd is not None:
-            settling += f" ± {published.settling_sd:g}"
-        head = [estimator, f"{first.period_ms:g}", f"{first.alpha_h:g}, {first.alpha_d:g}"]
-        share = [f"{100 * published.collision:.0f}", f"{100 * published.completion:.0f}"]
-        body.append([*head, paper, settling, "", "", "", share[0], "", share[1], "", ""])
-        for one in of_method:
+    for (estimator, _), group in itertools.groupby(summary, lambda one: (one.estimator, one.perception)):
+        body.append([estimator, paper, *_published(TABLE_III[estimator])])
+        for one in group:
             body.append(
                 [
-                    *([""] * len(head)),
+                    "",
                     one.plant,
+                    f"{one.sample_period_ms:g}, {one.period_ms:g}",
+                    f"{one.alpha_h:g}, {one.alpha_d:g}",
                     _mean(one.settling_s),
                     str(one.settling_s.n),
                     _rate(one.settling_s.unsettled),
@@ -213,6 +213,14 @@ def _body(summary: Sequence[Row], robots: int) -> list[list[str]]:
                 ]
             )
     return body
+
+
+def _published(row: TableIIIRow) -> list[str]:
+    """Returns the cells of a row of Table III, with its own period and gains."""
+    period, spread = f"{1e3 * row.period:g}", "" if row.settling_sd is None else f" ± {row.settling_sd:g}"
+    rates = f"{100 * row.collision:.0f}", f"{100 * row.completion:.0f}"
+    gains = f"{row.alpha_h:g}, {row.alpha_d:g}"
+    return [f"{period}, {period}", gains, f"{row.settling:g}{spread}", "", "", "", rates[0], "", rates[1], "", ""]
 
 
 def _difference_body(differences: Sequence[Paired]) -> list[list[str]]:
@@ -242,6 +250,8 @@ def _difference(value: Paired) -> str:
     text = f"{scale * value.difference:+.{digits}f}"
     if value.low is not None and value.high is not None:
         text += f" [{scale * value.low:+.{digits}f}, {scale * value.high:+.{digits}f}]"
+    if value.metric == "settling_s":
+        text += f" ({value.n})"
     return text
 
 

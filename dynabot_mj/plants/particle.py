@@ -11,12 +11,14 @@ velocity at 3 rad/s at most (the yaw-rate limit of the rigid robots' steering la
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.plants import LOOK_PERIOD, FleetState
 
+_TOP_SPEED = 1e3  # beyond it the sampled loop has blown up: a hundred times what a Dynabot can do [m/s]
 _HEADING_RATE = 3.0  # largest rate at which the heading follows the velocity [rad/s]
 _HEADING_SPEED = 0.25  # below this speed the heading stays [m/s]
 
@@ -37,7 +39,7 @@ class ParticlePlant:
         self._state = FleetState(
             time=0.0, position_w=position_w.copy(), velocity_w=zero, heading=heading.copy(), yaw_rate=zero[..., 0]
         )
-        self._never = np.zeros(len(position_w), dtype=bool)
+        self._diverged = np.zeros(len(position_w), dtype=bool)
 
     @property
     def state(self) -> FleetState:
@@ -46,8 +48,8 @@ class ParticlePlant:
 
     @property
     def diverged(self) -> BoolArray:
-        """No trial: a closed form cannot break down, (B,)."""
-        return self._never
+        """Trials whose sampled loop has blown up, (B,); their robots rest where they were before."""
+        return self._diverged
 
     def step(self, force_w: Array, gap: float) -> Sequence[FleetState]:
         """Advances exactly; see `Plant.step`."""
@@ -55,6 +57,11 @@ class ParticlePlant:
         start, states = self._state, []
         heading, interval = start.heading, gap / looks
         acceleration_w = force_w / self._mass
+        slow = np.abs(start.velocity_w + gap * acceleration_w) < _TOP_SPEED  # not so where it is NaN
+        self._diverged = self._diverged | ~slow.all(axis=(1, 2))
+        gone = self._diverged[:, None, None]
+        acceleration_w = np.where(gone, 0.0, acceleration_w)
+        start = replace(start, velocity_w=np.where(gone, 0.0, start.velocity_w))
         for look in range(1, looks + 1):
             # Always from the gap's start, so that the looks do not add rounding errors.
             s = interval * look
@@ -63,7 +70,8 @@ class ParticlePlant:
             turned = _follow(heading, velocity_w, interval)
             states.append(
                 FleetState(
-                    time=start.time + s,
+                    # Rounded, so that sums of many gaps do not drift off the timer.
+                    time=round(start.time + s, 9),
                     position_w=position_w,
                     velocity_w=velocity_w,
                     heading=turned,

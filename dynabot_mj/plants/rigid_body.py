@@ -19,7 +19,7 @@ from dynabot_mj.plants import LOOK_PERIOD, FleetState
 LOCAL_PERIOD = 0.039  # longest period of the local laws [s]
 PHYSICS_STEP = 0.005  # longest physics step [s]; the contacts behave alike from 0.5 to 5 ms
 
-# MuJoCo resets a simulation in which these occur and reports success all the same.
+# After these a simulation means nothing: MuJoCo resets it, or drops its controls, and reports success all the same.
 _BREAKDOWNS = [
     int(warning)
     for warning in (
@@ -70,7 +70,7 @@ class RigidBodyPlant:
 
     @property
     def diverged(self) -> BoolArray:
-        """Trials whose simulation MuJoCo reset because of a NaN or a huge value, (B,)."""
+        """Trials in which MuJoCo met a NaN or a huge value, (B,)."""
         return self._diverged
 
     def step(self, force_w: Array, gap: float) -> Sequence[FleetState]:
@@ -88,7 +88,8 @@ class RigidBodyPlant:
                 count = min(per_look, steps - done)
                 done += count
                 self._advance(count)
-                self._state = self._read(start + period * (local + done / steps))
+                # Rounded, so that sums of many gaps do not drift off the timer.
+                self._state = self._read(round(start + period * (local + done / steps), 9))
                 states.append(self._state)
         return states
 

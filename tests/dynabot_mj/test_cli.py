@@ -1,6 +1,7 @@
 """The command line through its real entry point."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -28,7 +29,7 @@ def test_schedule_prints_one_json_document():
     assert {name: row["period_ms"] for name, row in rows.items()} == {"gps": 27, "decoupled": 36, "coupled": 156}
     assert rows["coupled"]["period_exact_ms"] == pytest.approx(155.98, abs=0.005)
     # Judged before rounding: worth a word, not an error.
-    assert "gps at 27 ms loads the processor 1.0015" in done.stderr
+    assert "rounded periods of gps load the processor 1.0015" in done.stderr
 
 
 @pytest.mark.parametrize("robots", range(2, 8))
@@ -43,7 +44,7 @@ def test_compare_writes_results_that_can_be_fed_back_in(tmp_path):
     document = json.loads(first.stdout)
     assert len(document["rows"]) == 8
     assert document["wall_s"] > 0
-    names = {file.name for file in (tmp_path / "a").iterdir()}
+    names = {file.name for file in (tmp_path / "a").iterdir() if not file.name.startswith(".")}
     assert names == {
         "study.nc", "study.toml", "execution.json", "table.md", "compare.json", "table_iii.png",
         "trajectories_perfect.png", "trajectories_gps.png", "trajectories_decoupled.png", "trajectories_coupled.png",
@@ -73,6 +74,9 @@ def test_run_prints_one_row_and_reproduces_a_trial_of_a_study(tmp_path):
         "run", "--reproduce", f"{tmp_path / 'study'}:rigid/gauss-markov/gps:2", "--json", "--out", tmp_path / "a"
     )
     assert done.returncode == 0, done.stderr
+    fed_back = dynabot("run", "--config", tmp_path / "a" / "study.toml", "--json", "--out", tmp_path / "c")
+    assert fed_back.stdout == done.stdout
+    assert (tmp_path / "c" / "study.nc").read_bytes() == (tmp_path / "a" / "study.nc").read_bytes()
     fresh = dynabot("run", "--estimator", "gps", "--trial", 2, "--duration", 14, "--json", "--out", tmp_path / "b")
     assert done.stdout == fresh.stdout
     row = json.loads(done.stdout)
@@ -102,7 +106,10 @@ NONSENSE = [
     (["compare", "--config", "."], "Is a directory"),
     (["compare", "--out", "unknown.toml/below"], "cannot write to the folder"),
     (["run", "--reproduce", "nothing"], "it must be STUDY:CASE:TRIAL"),
-    (["run", "--reproduce", "nothing:rigid/perfect:0"], "cannot read the study nothing"),
+    (["run", "--reproduce", "nothing:rigid/perfect:0"], "there is no study at nothing"),
+    (["run", "--reproduce", "nothing:rigid/perfect:0", "--seed", "5"], "--seed given with --reproduce"),
+    (["run", "--config", "several.toml"], "particle, rigid given by several.toml; run takes one: choose with --plant"),
+    (["compare", "--out", ""], "an empty name given"),
     (["run", "--trial", "-1"], "first_trial = -1"),
     (["schedule", "--utilisation", "1.7"], "utilisation 1.7 given, allowed is 0 < U <= 1"),
     (["schedule", "--utilisation", "nan"], "allowed is 0 < U <= 1"),
@@ -120,6 +127,7 @@ def test_nonsense_is_one_line_and_code_2_before_any_work(arguments, message, tmp
     (tmp_path / "unknown.toml").write_text("bogus = 1")
     (tmp_path / "type.toml").write_text("trials = 'many'")
     (tmp_path / "mass.toml").write_text("mass = -12.0")
+    (tmp_path / "several.toml").write_text("plants = ['particle', 'rigid']")
     (tmp_path / "light.toml").write_text("mass = 10.0")
     (tmp_path / "binary.toml").write_bytes(bytes(range(128, 256)))
     before = sorted(tmp_path.iterdir())
@@ -134,21 +142,50 @@ def test_nonsense_is_one_line_and_code_2_before_any_work(arguments, message, tmp
 def test_ctrl_c_keeps_finished_parts_and_resume_continues(tmp_path):
     options = ["--trials", "120", "--duration", "30", "--plants", "particle", "--workers", "2", "--out", str(tmp_path)]
     process = subprocess.Popen(
-        [COMMAND, "compare", *options], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [COMMAND, "compare", *options],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # a terminal's Ctrl-C reaches every process of the group
     )
     deadline = time.monotonic() + 120
     while time.monotonic() < deadline and not list(tmp_path.glob(".chunks/*.pickle")):
         time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
+    os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=60)
     assert process.returncode == 1
     assert err.splitlines()[-1].startswith("dynabot: interrupted")
+    assert "Traceback" not in err
     assert out == ""
     assert [path.name for path in tmp_path.iterdir()] == [".chunks"]
     assert not [path for path in tmp_path.rglob("*") if "partial" in path.name]
     resumed = dynabot("compare", *options, "--resume")
     assert resumed.returncode == 0
     assert not (tmp_path / ".chunks").exists()
+
+
+@pytest.mark.parametrize("delay", [1.0, 2.0, 3.0])
+def test_ctrl_c_while_the_workers_start_is_one_line(delay, tmp_path):
+    command = [
+        COMMAND,
+        "compare",
+        "--trials",
+        "300",
+        "--plants",
+        "particle",
+        "--workers",
+        "2",
+        "--out",
+        str(tmp_path / "x"),
+    ]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    time.sleep(delay)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert [line for line in err.splitlines() if not line.startswith(("note:", "compare:"))] == [
+        "dynabot: interrupted; --resume continues from what was finished"
+    ]
 
 
 def test_importing_the_package_imports_nothing_heavy():

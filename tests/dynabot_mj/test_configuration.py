@@ -39,6 +39,14 @@ def test_precedence_is_defaults_then_file_then_options():
         ("[method.gps]\nuncertainty = 0.0", "positive for all others"),
         ("[processor]\nutilisation = 1.7", "utilisation = 1.7"),
         ("trials = ", "study.toml is not TOML"),
+        ("[method.gps]\ncontrol_period = -1", "method.gps.control_period = -1: input should be greater than 0"),
+        ("[method.gps]\ncontrl_period = 1", "unknown key method.gps.contrl_period"),
+        ("config_x = 3", "unknown key config_x"),
+        ("mass = 10.0", "mass = 10 kg given; with the rigid plant it must be the model's, 12 kg"),
+        ("[field]\nneighbour_range = 4.0", "beyond the well's floor, which ends at 6.19615 m"),
+        ("[field]\nspacing = 9.5", "field.neighbour_range = 10 m given"),
+        ("[start]\ndistance = 100.0", "field.leader_range = 60 m given; it must reach the start"),
+        ("[start]\nspacing = 0.1", "start.spacing = 0.1 m given"),
     ],
 )
 def test_nonsense_is_named_in_one_line(text, message):
@@ -60,3 +68,8 @@ def test_files_that_cannot_be_read(tmp_path):
         configuration.load_file(binary)
     with pytest.raises(InputError, match="No such file"):
         configuration.load_file(tmp_path / "absent.toml")
+
+
+def test_the_callers_defaults_stand_below_the_text():
+    setup = configuration.load("trials = 7", "text", {"trials": 3, "plants": ["particle"]}, estimators=["gps"])
+    assert (setup.trials, setup.plants, setup.estimators) == (7, ("particle",), ("gps",))

@@ -3,6 +3,7 @@ from dataclasses import replace
 import pytest
 
 from dynabot_mj import configuration, execution, study
+from dynabot_mj.errors import InputError
 from dynabot_mj.execution import Execution
 
 SHORT = configuration.build({}, trials=3, duration=14.0, estimators=["gps"], plants=["particle", "rigid"])
@@ -51,9 +52,19 @@ def test_an_interrupted_study_resumes_where_it_was(dataset, tmp_path):
     resumed = study.run(SHORT, Execution(chunks=chunks, resume=True))
     assert saved(resumed, tmp_path / "a.nc") == saved(dataset, tmp_path / "b.nc")
     assert all((chunks / name).stat().st_mtime_ns == time for name, time in kept.items())
-    # Another seed is other work: nothing of it is taken from there.
-    other = study.run(replace(SHORT, seed=1), Execution(chunks=chunks, resume=True))
-    assert not (other.final_position_w == dataset.final_position_w).any()
+    with pytest.raises(InputError, match="parts of another study"):
+        study.run(replace(SHORT, seed=1), Execution(chunks=chunks, resume=True))
+    execution.forget(SHORT, chunks)
+    assert not chunks.exists()
+
+
+def test_parts_of_another_version_of_the_code_are_not_taken(monkeypatch):
+    chunk = next(execution._chunks(SHORT, 1))
+    name = chunk.name
+    assert next(execution._chunks(replace(SHORT, seed=1), 1)).name != name
+    assert next(execution._chunks(replace(SHORT, trials=9), 3)).name == name
+    monkeypatch.setattr(execution, "_source_digest", lambda: "another")
+    assert chunk.name != name
 
 
 def test_progress_rises_to_one():

@@ -1,9 +1,6 @@
-from dataclasses import replace
-
 import pytest
 
 from dynabot_mj import configuration, scenario
-from dynabot_mj.errors import InputError
 from dynabot_mj.scenario import Scenario
 
 
@@ -34,10 +31,22 @@ def test_wells_follow_from_the_number_of_robots():
     assert (three.leader.gain, three.neighbour.gain, three.force_limit) == (300.0, 150.0, 50.0)
 
 
-def test_masses_of_the_plants_must_agree():
-    scenario.require_mass(Scenario(), 12.0)
-    with pytest.raises(InputError, match=r"mass = 10 kg given; .* 12 kg"):
-        scenario.require_mass(replace(Scenario(), mass=10.0), 12.0)
+def test_perfect_information_is_not_limited_and_options_reach_the_wells():
+    assert scenario.field(Scenario(), "perfect").force_limit == float("inf")
+    setup = configuration.build({"field": {"closest": 0.2, "width": 0.5}})
+    for well in (scenario.field(setup, "gps").leader, scenario.field(setup, "gps").neighbour):
+        assert (well.closest, well.width) == (0.2, 0.5)
+    ranges = [scenario.field(configuration.build({"robots": n}), "gps").neighbour.range for n in (5, 6)]
+    assert ranges == [10.0, 7.5]
+
+
+def test_loads_are_those_of_the_rounded_periods():
+    loads = scenario.loads(Scenario())
+    assert {name: round(load, 4) for name, load in loads.items()} == {
+        "gps": 1.0015,
+        "decoupled": 1.0106,
+        "coupled": 0.9999,
+    }
 
 
 def test_one_trial_of_a_study():

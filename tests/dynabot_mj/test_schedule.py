@@ -61,6 +61,12 @@ def test_an_infeasible_set_names_load_and_bound():
         schedule.require_feasible(3, 0.0059, 0.026, 0.026)
 
 
+def test_a_coarse_timer_rounds_up():
+    assert schedule.rounded(0.02705, 0.02) == pytest.approx(0.04)
+    with pytest.raises(InfeasibleScheduleError, match=r"load the processor 1\.2960"):
+        schedule.require_feasible(3, 0.0059, 0.02, 0.02, tick=0.02)
+
+
 def test_periods_of_table_iii_are_feasible_although_their_rounded_load_is_not():
     for name, figures in TABLE_II.items():
         period = TABLE_III[name].period

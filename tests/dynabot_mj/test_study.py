@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 from dynabot_mj import configuration, execution, scenario, study
+from dynabot_mj.errors import InputError
 
 SHORT = configuration.build({}, trials=3, duration=14.0, estimators=["gps"], plants=["particle", "rigid"])
 
@@ -70,6 +71,12 @@ def test_a_diverged_trial_is_nan_and_counted(monkeypatch):
     monkeypatch.setattr(execution, "simulate", diverging)
     broken = study.run(replace(SHORT, trials=2))
     assert broken.diverged.values.tolist() == [[1, 0], [1, 0]]
-    for name in ("collision", "completion", "top_speed", "closest", "message_age"):
+    for name in ("collision", "completion", "top_speed", "closest", "message_age", "final_position_w"):
         assert np.isnan(broken[name][:, 0]).all()
         assert np.isfinite(broken[name][:, 1]).all()
+    assert np.isnan(broken.trajectory_w).all()  # of the first trial
+
+
+def test_a_configuration_that_contradicts_itself_is_refused_before_any_work():
+    with pytest.raises(InputError, match="mass = 6 kg"):
+        study.run(replace(SHORT, mass=6.0))

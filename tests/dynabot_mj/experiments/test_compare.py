@@ -16,7 +16,8 @@ def test_document_is_json_without_nan_and_with_the_keys_of_the_interface(dataset
     document = json.loads(json.dumps(compare.document(dataset), allow_nan=False))
     assert [row["plant"] for row in document["rows"]] == ["particle", "rigid"] * 2
     assert set(document["rows"][0]) == {
-        "plant", "perception", "estimator", "trials", "period_ms", "alpha_h", "alpha_d", "settling_s",
+        "plant", "perception", "estimator", "trials", "period_ms", "sample_period_ms", "alpha_h", "alpha_d",
+        "settling_s",
         "top_speed_mps", "collision", "collision_footprint", "completion", "completion_common", "diverged", "paper",
     }  # fmt: skip
     assert document["rows"][0]["perception"] is None
@@ -51,6 +52,6 @@ def test_rows_leave_undefined_trials_out(dataset):
 def test_table_lines_up_and_shows_the_paper_beside(dataset):
     table = compare.markdown(dataset)
     rows = [line for line in table.splitlines() if line.startswith("| ")]
-    assert "| gps       | 27       | 300, 150 | paper    | 68 ± 11" in table
+    assert "| gps       | paper    | 27, 27        | 300, 150 | 68 ± 11" in table
     assert len({len(line) for line in rows[:7]}) == 1
     assert "nan" not in table
