@@ -1,3 +1,5 @@
+import signal
+
 import pytest
 
 from dynabot_mj import files
@@ -32,3 +34,16 @@ def test_an_unwritable_folder_is_refused(tmp_path):
         files.require_writable(tmp_path / "file" / "below")
     files.require_writable(tmp_path / "new" / "deep")
     assert list((tmp_path / "new" / "deep").iterdir()) == []
+
+
+def test_ctrl_c_is_put_off_not_lost():
+    steps = []
+
+    def work():
+        with files.uninterrupted():
+            signal.raise_signal(signal.SIGINT)
+            steps.append("done")
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    assert steps == ["done"]
