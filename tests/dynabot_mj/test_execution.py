@@ -83,7 +83,7 @@ import distributed
 from dynabot_mj import configuration, study
 from dynabot_mj.execution import Execution
 
-options = dict(n_workers=1, threads_per_worker=1, processes=False, host="127.0.0.1", dashboard_address="127.0.0.1:0")
+options = dict(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=":0")
 with distributed.LocalCluster(**options) as cluster:
     setup = configuration.load(sys.stdin.read(), "stdin")
     study.save(study.run(setup, Execution(scheduler=cluster.scheduler_address)), sys.argv[1])
