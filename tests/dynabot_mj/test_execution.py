@@ -8,36 +8,26 @@ from dynabot_mj import configuration, execution, study
 from dynabot_mj.errors import InputError
 from dynabot_mj.execution import Execution
 
-SHORT = configuration.build({}, trials=3, duration=14.0, estimators=["gps"], plants=["particle", "rigid"])
-
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch):
     monkeypatch.setattr(execution, "CHUNK", 2)
 
 
-@pytest.fixture(scope="module")
-def dataset():
-    return study.run(SHORT)
+def test_the_same_study_is_the_same_file_whatever_its_execution(dataset, short, saved):
+    first = saved(dataset)
+    assert saved(study.run(short, Execution(threads=3))) == first
+    assert saved(study.run(short, Execution(workers=2))) == first
 
 
-def saved(dataset, path):
-    study.save(dataset, path)
-    return path.read_bytes()
+def test_chunks_do_not_show(dataset, monkeypatch, short, saved):
+    whole = saved(dataset)  # made in one chunk a case
+    for trials in (1, 2):
+        monkeypatch.setattr(execution, "CHUNK", trials)
+        assert saved(study.run(short)) == whole
 
 
-def test_the_same_study_is_the_same_file_whatever_its_execution(dataset, tmp_path):
-    first = saved(dataset, tmp_path / "a.nc")
-    assert saved(study.run(SHORT, Execution(threads=3)), tmp_path / "b.nc") == first
-    assert saved(study.run(SHORT, Execution(workers=2)), tmp_path / "c.nc") == first
-
-
-def test_chunks_do_not_show(dataset, tmp_path, monkeypatch):
-    monkeypatch.setattr(execution, "CHUNK", 50)
-    assert saved(study.run(SHORT), tmp_path / "a.nc") == saved(dataset, tmp_path / "b.nc")
-
-
-def test_an_interrupted_study_resumes_where_it_was(dataset, tmp_path):
+def test_an_interrupted_study_resumes_where_it_was(dataset, tmp_path, short, saved):
     chunks = tmp_path / "chunks"
     told = []
 
@@ -47,31 +37,31 @@ def test_an_interrupted_study_resumes_where_it_was(dataset, tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        study.run(SHORT, Execution(chunks=chunks), interrupt)
+        study.run(short, Execution(chunks=chunks), interrupt)
     kept = {file.name: file.stat().st_mtime_ns for file in chunks.iterdir()}
     assert kept
     assert not any("partial" in name for name in kept)
-    resumed = study.run(SHORT, Execution(chunks=chunks, resume=True))
-    assert saved(resumed, tmp_path / "a.nc") == saved(dataset, tmp_path / "b.nc")
+    resumed = study.run(short, Execution(chunks=chunks, resume=True))
+    assert saved(resumed) == saved(dataset)
     assert all((chunks / name).stat().st_mtime_ns == time for name, time in kept.items())
     with pytest.raises(InputError, match="parts of another study"):
-        study.run(replace(SHORT, seed=1), Execution(chunks=chunks, resume=True))
-    execution.forget(SHORT, chunks)
+        study.run(replace(short, seed=1), Execution(chunks=chunks, resume=True))
+    execution.forget(short, chunks)
     assert not chunks.exists()
 
 
-def test_parts_of_another_version_of_the_code_are_not_taken(monkeypatch):
-    chunk = next(execution._chunks(SHORT, 1))
+def test_parts_of_another_version_of_the_code_are_not_taken(monkeypatch, short):
+    chunk = next(execution._chunks(short, 1))
     name = chunk.name
-    assert next(execution._chunks(replace(SHORT, seed=1), 1)).name != name
-    assert next(execution._chunks(replace(SHORT, trials=9), 3)).name == name
+    assert next(execution._chunks(replace(short, seed=1), 1)).name != name
+    assert next(execution._chunks(replace(short, trials=9), 3)).name == name
     monkeypatch.setattr(execution, "_source_digest", lambda: "another")
     assert chunk.name != name
 
 
-def test_progress_rises_to_one():
+def test_progress_rises_to_one(short):
     told = []
-    study.run(SHORT, progress=told.append)
+    study.run(short, progress=told.append)
     assert told == sorted(told)
     assert told[-1] == pytest.approx(1.0)
 
@@ -90,9 +80,9 @@ with distributed.LocalCluster(**options) as cluster:
 """
 
 
-def test_a_dask_cluster_gives_the_same_result(dataset, tmp_path):
+def test_a_dask_cluster_gives_the_same_result(dataset, tmp_path, short, saved):
     pytest.importorskip("distributed")
-    text = configuration.dump(SHORT)
+    text = configuration.dump(short)
     command = [sys.executable, "-c", DASK, tmp_path / "a.nc"]
     subprocess.run(command, input=text, text=True, check=True, capture_output=True, timeout=300)
-    assert (tmp_path / "a.nc").read_bytes() == saved(dataset, tmp_path / "b.nc")
+    assert (tmp_path / "a.nc").read_bytes() == saved(dataset)

@@ -7,37 +7,20 @@ import xarray as xr
 from dynabot_mj import configuration, execution, scenario, study
 from dynabot_mj.errors import InputError
 
-SHORT = configuration.build({}, trials=3, duration=14.0, estimators=["gps"], plants=["particle", "rigid"])
 
-
-@pytest.fixture(autouse=True)
-def small_chunks(monkeypatch):
-    monkeypatch.setattr(execution, "CHUNK", 2)
-
-
-@pytest.fixture(scope="module")
-def dataset():
-    return study.run(SHORT)
-
-
-def saved(dataset, path):
-    study.save(dataset, path)
-    return path.read_bytes()
-
-
-def test_the_saved_configuration_repeats_the_study(dataset, tmp_path):
+def test_the_saved_configuration_repeats_the_study(dataset, saved):
     again = configuration.load(dataset.attrs["configuration"], "saved")
-    assert saved(study.run(again), tmp_path / "a.nc") == saved(dataset, tmp_path / "b.nc")
+    assert saved(study.run(again)) == saved(dataset)
 
 
-def test_adding_trials_leaves_the_first_ones_unchanged(dataset):
-    more = study.run(replace(SHORT, trials=5)).isel(trial=slice(0, 3))
+def test_adding_trials_leaves_the_first_ones_unchanged(dataset, short):
+    more = study.run(replace(short, trials=5)).isel(trial=slice(0, 3))
     for name in dataset.data_vars:
         np.testing.assert_array_equal(more[name], dataset[name], err_msg=name)
 
 
-def test_one_trial_can_be_repeated(dataset):
-    one = study.run(scenario.one_trial(SHORT, "rigid/gauss-markov/gps", 2))
+def test_one_trial_can_be_repeated(dataset, short):
+    one = study.run(scenario.one_trial(short, "rigid/gauss-markov/gps", 2))
     expected = dataset.sel(case="rigid/gauss-markov/gps", trial=2)
     np.testing.assert_array_equal(one.final_position_w[0, 0], expected.final_position_w)
     assert one.trial.values.tolist() == [2]
@@ -61,7 +44,7 @@ def test_netcdf_round_trip(dataset, tmp_path):
     xr.testing.assert_identical(study.load(path), dataset)
 
 
-def test_a_diverged_trial_is_nan_and_counted(monkeypatch):
+def test_a_diverged_trial_is_nan_and_counted(monkeypatch, short):
     simulate = execution.simulate
 
     def diverging(*args, **options):
@@ -69,7 +52,7 @@ def test_a_diverged_trial_is_nan_and_counted(monkeypatch):
         return replace(outcome, diverged=np.arange(len(outcome.diverged)) == 0)
 
     monkeypatch.setattr(execution, "simulate", diverging)
-    broken = study.run(replace(SHORT, trials=2))
+    broken = study.run(replace(short, trials=2))
     assert broken.diverged.values.tolist() == [[1, 0], [1, 0]]
     for name in ("collision", "completion", "top_speed", "closest", "message_age", "final_position_w"):
         assert np.isnan(broken[name][:, 0]).all()
@@ -77,6 +60,6 @@ def test_a_diverged_trial_is_nan_and_counted(monkeypatch):
     assert np.isnan(broken.trajectory_w).all()  # of the first trial
 
 
-def test_a_configuration_that_contradicts_itself_is_refused_before_any_work():
+def test_a_configuration_that_contradicts_itself_is_refused_before_any_work(short):
     with pytest.raises(InputError, match="mass = 6 kg"):
-        study.run(replace(SHORT, mass=6.0))
+        study.run(replace(short, mass=6.0))
