@@ -129,11 +129,11 @@ def total_force(
     return saturate(force_w, field.force_limit)
 
 
-def polygon_well_radius(spacing: float, robots: int) -> float:
-    """Returns h0 of the regular polygon whose side is d0: h0 = d0 / (2 sin(pi / n)) [m].
+def polygon_circumradius(side: float, robots: int) -> float:
+    """Returns the radius of the circle through the corners of a regular polygon: h0 = d0 / (2 sin(pi / n)) [m].
 
     Args:
-        spacing: d0 [m].
-        robots: n, at least 2.
+        side: d0, between neighbouring corners [m].
+        robots: n, number of corners, at least 2.
     """
-    return float(spacing / (2.0 * np.sin(np.pi / robots)))
+    return float(side / (2.0 * np.sin(np.pi / robots)))

@@ -12,6 +12,7 @@ import shlex
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -19,6 +20,7 @@ from dynabot_mj import __version__, files
 from dynabot_mj.errors import InputError
 
 _SCIENCE = ("seed", "robots", "duration", "utilisation", "headings", "trials")  # options that override the TOML
+_CHOICES = {"plants": "plant", "estimators": "estimator", "perception": "perception"}  # key and option of `run`
 _NONE: Mapping[str, Any] = {}
 _CHUNKS = ".chunks"  # finished parts of a study, until it is complete
 
@@ -45,13 +47,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("dynabot: interrupted; --resume continues from what was finished", file=sys.stderr)
         return 1
-    except OSError as error:
-        if not isinstance(error, BrokenPipeError):
-            print(f"dynabot: {error}", file=sys.stderr)
-            return 1
-
+    except BrokenPipeError:
         # Whoever read our output has gone, e.g. `dynabot compare | head`.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except OSError as error:
+        print(f"dynabot: {error}", file=sys.stderr)
         return 1
     return 0
 
@@ -92,7 +93,7 @@ def run(options: argparse.Namespace) -> None:
     study = _run(setup, folder, options, "run")
     wall_s = time.monotonic() - start
     case = study.isel(case=0)
-    row = experiment.document(study)["rows"][0]
+    row = asdict(experiment.row(case))
     places = case.final_position_w.isel(trial=0).values
     row["final_position_m"] = [[float(x) if np.isfinite(x) else None for x in place] for place in places]
     with _results(folder, setup, study, options, wall_s) as stage:
@@ -194,17 +195,13 @@ def _single(options: argparse.Namespace) -> Any:
         {"plants": ["rigid"], "estimators": ["decoupled"]},
         trials=1,
         first_trial=options.trial,
-        **{name: [value] if value else None for name, value in _single_choices(options).items()},
+        **{name: [value] if (value := getattr(options, option)) else None for name, option in _CHOICES.items()},
     )
-    for name, option in (("plants", "plant"), ("estimators", "estimator"), ("perception", "perception")):
+    for name, option in _CHOICES.items():
         choices = dict.fromkeys(getattr(setup, name))
         if len(choices) > 1:
             raise InputError(f"{', '.join(choices)} given by {options.config}; run takes one: choose with --{option}")
     return setup
-
-
-def _single_choices(options: argparse.Namespace) -> dict[str, str | None]:
-    return {"plants": options.plant, "estimators": options.estimator, "perception": options.perception}
 
 
 def _reproduced(options: argparse.Namespace) -> Any:

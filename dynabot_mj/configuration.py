@@ -13,7 +13,7 @@ from typing import Any
 import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
-from controllers.potential_field import polygon_well_radius
+from controllers.potential_field import polygon_circumradius
 from dynabot_mj import scene
 from dynabot_mj.errors import InputError
 from dynabot_mj.scenario import Methods, Scenario, field, method, periods
@@ -114,7 +114,7 @@ def check(setup: Scenario) -> None:
             f"start.spacing = {start.spacing:g} m given, it must be beyond the collision distance, "
             f"{setup.collision_distance:g} m"
         )
-    farthest = start.distance + polygon_well_radius(start.spacing, setup.robots)
+    farthest = start.distance + polygon_circumradius(start.spacing, setup.robots)
     if farthest >= setup.field.leader_range:
         raise InputError(
             f"field.leader_range = {setup.field.leader_range:g} m given; it must reach the start, up to {farthest:g} m "

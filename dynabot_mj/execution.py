@@ -12,7 +12,7 @@ import importlib.metadata
 import multiprocessing
 import pickle
 import platform
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -24,12 +24,10 @@ import models
 from dynabot_mj import __version__, configuration, files, scenario
 from dynabot_mj.errors import InputError
 from dynabot_mj.scenario import Case, Scenario
-from dynabot_mj.simulation import Outcome, simulate
+from dynabot_mj.simulation import Outcome, Progress, simulate
 
 CHUNK = 50  # trials
 RECORDED = 1  # trajectories kept of each case, from the study's first trial on
-
-Progress = Callable[[float], None]  # told the share of the study that is done
 
 _LIBRARIES = ("mujoco", "numpy", "scipy", "xarray", "h5netcdf", "h5py")
 

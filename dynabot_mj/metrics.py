@@ -24,6 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from controllers.potential_field import polygon_circumradius
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.plants import FleetState
 
@@ -70,8 +71,8 @@ def polygon_radius(formation: Formation, robots: int) -> float:
     robots. Ours: with the literal radius h0 the robots, which rest anywhere on the floor, would complete far less
     often.
     """
-    widest = (formation.spacing + formation.width) / (2.0 * np.sin(np.pi / robots))
-    return float((formation.well_radius + min(formation.well_radius + formation.width, widest)) / 2.0)
+    widest = polygon_circumradius(formation.spacing + formation.width, robots)
+    return (formation.well_radius + min(formation.well_radius + formation.width, widest)) / 2.0
 
 
 def settling_time(time: Array, radius: Array, band: float) -> Array:

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import ConfigDict, Field
 from pydantic.dataclasses import dataclass
 
-from controllers.potential_field import PotentialField, Well, polygon_well_radius
+from controllers.potential_field import PotentialField, Well, polygon_circumradius
 from dynabot_mj import schedule, testbed
 from dynabot_mj.errors import InputError
 from dynabot_mj.radio import INSTANT_LINK, Link, dynabot_link
@@ -232,7 +232,7 @@ def field(setup: Scenario, estimator: EstimatorName) -> PotentialField:
         neighbour_range = 10.0 if setup.robots <= 5 else 7.5
     leader = Well(
         gain=row.alpha_h,
-        radius=polygon_well_radius(options.spacing, setup.robots),
+        radius=polygon_circumradius(options.spacing, setup.robots),
         width=options.width,
         range=options.leader_range,
         closest=options.closest,

@@ -27,7 +27,7 @@ from dynabot_mj.testbed import SETTLING_SHARE
 LEADER_W = np.zeros(2)  # the leader's position, known to every robot exactly and at once [m]
 TRAJECTORY_INTERVAL = 0.1  # between the recorded positions [s]
 
-Progress = Callable[[float], None]  # told the share of the run that is done
+Progress = Callable[[float], None]  # told the share of the work that is done
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,7 +156,7 @@ def starts(setup: Scenario, trials: Sequence[int]) -> tuple[Array, Array]:
     n, options = setup.robots, setup.start
     turn = np.array([g.random() for g in generators(setup.seed, trials, Purpose.START)]) * 2.0 * np.pi
     corner = turn[:, None] + 2.0 * np.pi * np.arange(n) / n
-    radius = potential_field.polygon_well_radius(options.spacing, n)
+    radius = potential_field.polygon_circumradius(options.spacing, n)
     centroid_w = LEADER_W - np.array([options.distance, 0.0])
     position_w = centroid_w + radius * np.stack([np.cos(corner), np.sin(corner)], axis=-1)
     if options.headings == "leader":

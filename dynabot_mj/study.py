@@ -14,9 +14,9 @@ import numpy.typing as npt
 import xarray as xr
 
 from dynabot_mj import configuration, scenario
-from dynabot_mj.execution import Execution, Progress, execute, versions
+from dynabot_mj.execution import Execution, execute, versions
 from dynabot_mj.scenario import Case, Scenario
-from dynabot_mj.simulation import Outcome
+from dynabot_mj.simulation import Outcome, Progress
 
 _HERE = Execution()  # in this process
 

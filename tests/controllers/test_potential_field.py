@@ -8,7 +8,7 @@ from controllers.potential_field import (
     PotentialField,
     Well,
     attraction,
-    polygon_well_radius,
+    polygon_circumradius,
     potential,
     saturate,
     slope,
@@ -114,6 +114,6 @@ def test_dissipation_opposes_the_velocity():
 
 
 def test_polygon_of_three_robots_has_the_papers_well():
-    assert polygon_well_radius(3.0 * np.sqrt(3.0), 3) == pytest.approx(3.0)
-    assert polygon_well_radius(2.0, 6) == pytest.approx(2.0)  # a hexagon's side is its radius
-    assert polygon_well_radius(2.0, 2) == pytest.approx(1.0)
+    assert polygon_circumradius(3.0 * np.sqrt(3.0), 3) == pytest.approx(3.0)
+    assert polygon_circumradius(2.0, 6) == pytest.approx(2.0)  # a hexagon's side is its radius
+    assert polygon_circumradius(2.0, 2) == pytest.approx(1.0)
