@@ -98,6 +98,6 @@ def test_sensors_of_the_test_bed_are_there(one):
     mujoco.mj_forward(model, data)
     names = {model.sensor(i).name for i in range(model.nsensor)}
     wheels = {f"r0/{wheel}_speed" for wheel in scene.WHEELS}
-    assert {"r0/accelerometer", "r0/gyro", "r0/magnetometer", "r0/position", "r0/velocity"} | wheels == names
+    assert {"r0/accelerometer", "r0/gyro", "r0/magnetometer", "r0/position", "r0/velocity", "r0/hull_contact"} | wheels == names
     # At rest the accelerometer feels gravity alone.
     np.testing.assert_allclose(data.sensor("r0/accelerometer").data, [0, 0, 9.81], atol=0.01)
