@@ -1,21 +1,34 @@
-"""Force command -> point-mass reference -> forward speed and yaw rate: the hand point.
+"""Force command -> point-mass reference -> forward speed and yaw rate, by one of two laws.
 
-A skid-steer robot cannot accelerate sideways, a point mass can. So the law integrates what the point mass would do and
-keeps it near what the robot does (anti-windup), measured as its forward motion v e_x, e_x being its forward axis:
+A skid-steer robot cannot accelerate sideways, a point mass can. So both laws integrate what the point mass would do and
+keep it near what the robot does (anti-windup), measured as its forward motion v e_x, e_x being its forward axis:
 
     d v_ref / dt = F / m + k (v e_x - v_ref).
 
 F is the total command, dissipation on the robot's own velocity included; the law adds none of its own. With k = c / m
-it would be the point mass exactly, at the robot's place: the two terms in v then cancel. A hand point, a distance l
-ahead of the centre, is to move with v_ref: its velocity is v along e_x and l * yaw_rate along the left axis e_y, so
-that
+it would be the point mass exactly, at the robot's place: the two terms in v then cancel. The way by which the robot has
+fallen behind is remembered, forgotten slowly and bounded, and the velocity to realise makes up for it:
 
-    v = v_ref . e_x,        yaw_rate = v_ref . e_y / l + (d v_ref / dt . e_y) v / (v^2 + v0^2).
+    d lag / dt = v_ref - v e_x - f lag,   |lag| <= farthest,        u = v_ref + q lag + t d v_ref / dt.
 
-There is no singularity at rest and no choice between driving forward and reversing: the robot turns into v_ref by
-itself. The second term of the yaw rate is the rate at which the direction of v_ref itself turns, regularised at low
-speed by v0. Without it the heading lags by l / v seconds, enough to make the robots swing about the floor of the
-well.
+The preview t makes up for the periods and the wheels' inertia that lie between a command and the motion.
+
+hand_point  A point a distance l ahead of the centre is to move with u: its velocity is v along e_x and l * yaw_rate
+            along the left axis e_y, so that
+
+                v = u . e_x,        yaw_rate = u . e_y / l + (d v_ref / dt . e_y) (u . e_x) / ((u . e_x)^2 + v0^2).
+
+            There is no singularity at rest and no choice between driving forward and reversing: the robot turns into u
+            by itself. The second term is the rate at which the direction of v_ref turns, regularised at low speed by
+            v0. Without it the heading lags by l / v seconds, enough to swing about the floor of the well.
+heading     Turn the nearer end of the robot into u, and drive as far as it points there:
+
+                v = u . e_x,        yaw_rate = g angle,   the angle from e_x, or from -e_x where u points back, to u.
+
+At rest, a force to the front or the back moves the robot at once, one to the side turns it first. A force exactly to
+the back leaves the hand point balanced, and the robot reverses; any sideways part turns it round on its way. With the
+other law it reverses, whatever is small beside it. The yaw rate is limited. Below the deadband the robot is told to
+rest.
 """
 
 import math
@@ -28,14 +41,39 @@ Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class HandPoint:
-    """Gains of the law, chosen by hand."""
+class PointMass:
+    """Gains of the reference, which both laws share."""
 
-    offset: float = 0.35  # l, of the hand point ahead of the centre [m]
-    hold: float = 1.5  # k, at which the reference is pulled to the robot's motion [1/s]
-    turning_speed: float = 0.8  # v0, below which the turning of the reference counts less [m/s]
-    yaw_rate_limit: float = 3.0  # [rad/s]
-    deadband: float = 0.01  # reference speed below which the robot is told to rest [m/s]
+    hold: float  # k, at which the reference is pulled to the robot's motion [1/s]
+    catch_up: float  # q, of the way fallen behind [1/s]
+    forget: float  # f, at which that way is forgotten [1/s]
+    farthest: float  # largest way remembered [m]
+    preview: float  # t, by which the reference is foreseen [s]
+    yaw_rate_limit: float  # [rad/s]
+    deadband: float  # wanted speed below which the robot is told to rest [m/s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandPoint(PointMass):
+    """Gains of the hand point."""
+
+    offset: float  # l, of the hand point ahead of the centre [m]
+    turning_speed: float  # v0, below which the turning of the reference counts less [m/s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heading(PointMass):
+    """Gains of heading and reverse."""
+
+    heading_gain: float  # g [1/s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reference:
+    """What the point mass that is imitated does."""
+
+    velocity_w: Array  # v_ref, (..., 2) [m/s]
+    lag_w: Array  # way by which the robot has fallen behind, (..., 2) [m]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,44 +85,91 @@ class Motion:
     yaw_rate: Array  # (...) [rad/s]
 
 
+def rest(robots: tuple[int, ...]) -> Reference:
+    """Returns the reference of robots at rest.
+
+    Args:
+        robots: Shape of their headings.
+    """
+    return Reference(velocity_w=np.zeros((*robots, 2)), lag_w=np.zeros((*robots, 2)))
+
+
+def advance(
+    reference: Reference,
+    force_w: Array,
+    forward_w: Array,
+    speed: Array,
+    *,
+    mass: float,
+    period: float,
+    gains: PointMass,
+) -> tuple[Reference, Array]:
+    """Advances the reference over a period, exactly for a held force and motion but for the bound of the lag.
+
+    Args:
+        reference: Before.
+        force_w: Total command, (..., 2) [N].
+        forward_w: e_x, (..., 2).
+        speed: Measured forward speed v, (...) [m/s].
+        mass: Of the point mass that is imitated [kg].
+        period: Of the law [s].
+        gains: Of the law.
+
+    Returns:
+        The reference after, and d v_ref / dt then, (..., 2) [m/s^2].
+    """
+    velocity_w = speed[..., None] * forward_w
+    # v_ref tends to this velocity, at which the pull balances the force.
+    target_w = velocity_w + force_w / (mass * gains.hold)
+    reference_w = target_w + math.exp(-gains.hold * period) * (reference.velocity_w - target_w)
+    kept = math.exp(-gains.forget * period)
+    lag_w = kept * (reference.lag_w + period * (reference_w - velocity_w))
+    length = np.sqrt(_dot(lag_w, lag_w))
+    lag_w = lag_w * (gains.farthest / np.maximum(length, max(gains.farthest, 1e-12)))[..., None]
+    return Reference(velocity_w=reference_w, lag_w=lag_w), gains.hold * (target_w - reference_w)
+
+
 def steer(
-    reference_w: Array,
+    reference: Reference,
     force_w: Array,
     heading: Array,
     speed: Array,
     *,
     mass: float,
     period: float,
-    gains: HandPoint,
-) -> tuple[Array, Motion]:
-    """Advances the point-mass reference, exactly for a held force and motion, and returns the motion that follows it.
+    gains: HandPoint | Heading,
+) -> tuple[Reference, Motion]:
+    """Advances the reference and returns the motion that follows it.
 
     Args:
-        reference_w: v_ref before, (..., 2) [m/s].
+        reference: Before.
         force_w: Total command, (..., 2) [N].
         heading: Measured, (...) [rad].
-        speed: Measured forward speed v, (...) [m/s].
+        speed: Measured forward speed, (...) [m/s].
         mass: Of the point mass that is imitated [kg].
         period: Of this law [s].
-        gains: Of this law.
+        gains: Of either law, which they choose.
 
     Returns:
-        v_ref after, (..., 2) [m/s], and the motion to ask of the traction law.
+        The reference after, and the motion to ask of the traction law.
     """
-    forward_w = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
-    left_w = np.stack([-forward_w[..., 1], forward_w[..., 0]], axis=-1)
-    # v_ref tends to this velocity, at which the pull balances the force.
-    target_w = speed[..., None] * forward_w + force_w / (mass * gains.hold)
-    reference_w = target_w + math.exp(-gains.hold * period) * (reference_w - target_w)
-    acceleration_w = gains.hold * (target_w - reference_w)
-    along, across = _dot(reference_w, forward_w), _dot(reference_w, left_w)
-    turning = _dot(acceleration_w, left_w) * along / (along * along + gains.turning_speed**2)
-    yaw_rate = np.clip(across / gains.offset + turning, -gains.yaw_rate_limit, gains.yaw_rate_limit)
+    cos, sin = np.cos(heading), np.sin(heading)
+    forward_w, left_w = np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)
+    reference, acceleration_w = advance(reference, force_w, forward_w, speed, mass=mass, period=period, gains=gains)
+    wanted_w = reference.velocity_w + gains.catch_up * reference.lag_w + gains.preview * acceleration_w
+    along, across = _dot(wanted_w, forward_w), _dot(wanted_w, left_w)
+    match gains:
+        case HandPoint():
+            turning = _dot(acceleration_w, left_w) * along / (along * along + gains.turning_speed**2)
+            yaw_rate = across / gains.offset + turning
+        case Heading():
+            end = np.where(along < 0.0, -1.0, 1.0)
+            yaw_rate = gains.heading_gain * np.arctan2(end * across, end * along)
     moving = along * along + across * across >= gains.deadband**2
-    return reference_w, Motion(
+    return reference, Motion(
         speed=np.where(moving, along, 0.0),
         acceleration=np.where(moving, _dot(force_w, forward_w) / mass, 0.0),
-        yaw_rate=np.where(moving, yaw_rate, 0.0),
+        yaw_rate=np.where(moving, np.clip(yaw_rate, -gains.yaw_rate_limit, gains.yaw_rate_limit), 0.0),
     )
 
 

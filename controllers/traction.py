@@ -1,12 +1,16 @@
-"""Forward speed and yaw rate -> wheel speeds and torque feed-forward, with a slip limit.
+"""Forward speed and yaw rate -> wheel speeds and torque feed-forward, with limits of slip and current.
 
 Proportional feedback about the kinematics of a vehicle whose wheels all skid sideways,
 
     wheel speed = (v -+ yaw_rate T_eff / 2) / R,        T_eff = T + L^2 / T,
 
 plus the torque that the motion needs: m_eff a R / 4 to accelerate, and the scrub torque of four tyres dragged sideways
-while turning. The motor's own speed loop adds torque for what is left, so an integral would have little to remove; it
-made the robots overshoot. Yaw-rate feedback is not optional: without it the vehicle spins out above 4 m/s.
+while turning, together within the motor's current limit. The motor's own speed loop, torque = K (commanded - actual)
++ feed-forward, adds what is left, so an integral would have little to remove; it made the robots overshoot. Yaw-rate
+feedback is not optional: without it the vehicle spins out above 4 m/s.
+
+On slippery ground the wheel would run up to commanded + feed-forward / K, where its torque vanishes. That speed is what
+the slip limit keeps near the ground's.
 """
 
 from dataclasses import dataclass
@@ -25,14 +29,14 @@ SIDES = np.array([-1.0, 1.0, -1.0, 1.0])
 
 @dataclass(frozen=True, kw_only=True)
 class Traction:
-    """Gains of the law, chosen by hand."""
+    """Gains of the law."""
 
-    speed_gain: float = 0.5  # of the forward-speed error
-    yaw_gain: float = 2.0  # of the yaw-rate error
-    scrub_torque: float = 1.45  # needed by a wheel to turn the vehicle on the spot [Nm]
-    scrub_rate: float = 0.3  # yaw rate at which three quarters of it are needed [rad/s]
-    slip_limit: float = 0.6  # of a wheel's commanded speed against the ground, at rest [m/s]
-    slip_share: float = 0.15  # its increase with the ground speed
+    speed_gain: float  # of the forward-speed error
+    yaw_gain: float  # of the yaw-rate error
+    scrub_torque: float  # needed by a wheel to turn the vehicle on the spot [Nm]
+    scrub_rate: float  # yaw rate at which three quarters of it are needed [rad/s]
+    slip_limit: float  # of a wheel's speed without load against the ground, at rest [m/s]
+    slip_share: float  # its increase with the ground speed
 
 
 def drive(
@@ -65,9 +69,10 @@ def drive(
         motion.speed + gains.speed_gain * (motion.speed - speed),
         motion.yaw_rate + gains.yaw_gain * (motion.yaw_rate - yaw_rate),
     )
-    slip = gains.slip_limit + gains.slip_share * np.abs(ground)
-    rim_speed = ground + np.clip(wanted - ground, -slip, slip)
     push = vehicle.effective_mass * motion.acceleration * vehicle.wheel_radius / 4.0
     scrub = gains.scrub_torque * np.tanh(motion.yaw_rate / gains.scrub_rate)
-    torque = push[..., None] + scrub[..., None] * SIDES
-    return rim_speed / vehicle.wheel_radius, np.clip(torque, -vehicle.torque_limit, vehicle.torque_limit)
+    torque = np.clip(push[..., None] + scrub[..., None] * SIDES, -vehicle.torque_limit, vehicle.torque_limit)
+    ahead = vehicle.wheel_radius * torque / vehicle.servo_gain
+    slip = gains.slip_limit + gains.slip_share * np.abs(ground)
+    rim_speed = ground + np.clip(wanted + ahead - ground, -slip, slip) - ahead
+    return rim_speed / vehicle.wheel_radius, torque

@@ -19,7 +19,8 @@ from typing import Any, NoReturn
 from dynabot_mj import __version__, files
 from dynabot_mj.errors import InputError
 
-_SCIENCE = ("seed", "robots", "duration", "utilisation", "headings", "trials")  # options that override the TOML
+_VEHICLE = ("model", "friction", "slope", "payload", "steering", "sensing", "gains")
+_SCIENCE = ("seed", "robots", "duration", "utilisation", "headings", "trials", *_VEHICLE)  # they override the TOML
 _CHOICES = {"plants": "plant", "estimators": "estimator", "perception": "perception"}  # key and option of `run`
 _NONE: Mapping[str, Any] = {}
 _CHUNKS = ".chunks"  # finished parts of a study, until it is complete
@@ -122,14 +123,55 @@ def schedule(options: argparse.Namespace) -> None:
     _print(options, document, "\n".join(text))
 
 
+def drive(options: argparse.Namespace) -> None:
+    """Acceptance drive of the rigid robot, its motors commanded directly."""
+    from dynabot_mj import scene, vehicle_figures
+    from dynabot_mj.experiments import drive as experiment
+    from dynabot_mj.experiments import drive_report
+    from dynabot_mj.figures import save
+
+    if options.friction is not None and not 0.05 <= options.friction <= 1.5:
+        raise InputError(f"--friction {options.friction:g} given, allowed are 0.05 to 1.5")
+    if not 0.0 <= options.payload <= drive_report.HEAVIEST_PAYLOAD:
+        allowed = f"0 to {drive_report.HEAVIEST_PAYLOAD:g} kg"
+        raise InputError(f"--payload {options.payload:g} given, allowed are {allowed}")
+    conditions = scene.Conditions(model=options.model, payload=options.payload, friction=options.friction)
+    scene.read_robot(conditions)
+    folder = options.out or Path("out/drive")
+    files.require_writable(folder)
+    report = experiment.drive(conditions)
+    document, text = drive_report.document(report), drive_report.markdown(report)
+    if options.step_sizes:
+        found = drive_report.step_sizes(conditions)
+        document["step_sizes"] = drive_report.step_document(found)
+        text += f"\n{drive_report.step_table(found)}"
+    with files.staged(folder) as stage:
+        (stage / "drive.json").write_text(_json(document), encoding="utf-8")
+        (stage / "drive.md").write_text(text, encoding="utf-8")
+        save(vehicle_figures.acceptance_drive(report), stage / "drive.png")
+    _print(options, document, f"{text}\nresults in {folder}")
+
+
 def _folder(text: str) -> Path:
     if not text:
         raise argparse.ArgumentTypeError("an empty name given, it must be a folder")
     return Path(text)
 
 
+def _friction(text: str) -> float | list[float]:
+    try:
+        values = [float(value) for value in text.split("..")]
+    except ValueError:
+        values = []
+    if not 1 <= len(values) <= 2:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} given, it must be a number such as 0.75 or a range such as 0.3..0.9"
+        )
+    return values[0] if len(values) == 1 else values
+
+
 def _parser() -> _Parser:
-    from dynabot_mj.scenario import ESTIMATORS, HEADINGS, PERCEPTIONS, PLANTS
+    from dynabot_mj.scenario import ESTIMATORS, HEADINGS, PERCEPTIONS, PLANTS, SENSINGS, STEERINGS
 
     parser = _Parser(
         prog="dynabot", description="Formation control under limited computation, on particles and rigid bodies."
@@ -146,6 +188,19 @@ def _parser() -> _Parser:
     study.add_argument("--duration", type=float, help="of a trial [s] (default 80; below 13 nothing settles)")
     study.add_argument("--utilisation", type=float, help="bound U of Eq. 1 (default 1.0; Table I says 0.95)")
     study.add_argument("--headings", choices=HEADINGS, help="at the start (default random)")
+    rigid = study.add_argument_group("rigid robots")
+    rigid.add_argument("--model", metavar="FILE.xml", help="another robot's MJCF with the same names")
+    rigid.add_argument(
+        "--friction",
+        type=_friction,
+        metavar="MU",
+        help="of tyres and ground (default 0.75), or MIN..MAX: one per trial",
+    )
+    rigid.add_argument("--slope", type=float, help="rise of the ground per metre toward +x (default 0)")
+    rigid.add_argument("--payload", type=float, metavar="KG", help="mass on each robot's top (default 0)")
+    rigid.add_argument("--steering", choices=STEERINGS, help="steering law (default hand-point)")
+    rigid.add_argument("--sensing", choices=SENSINGS, help="what the local laws run on (default on-board)")
+    rigid.add_argument("--gains", metavar="SET", help="of the local laws: tuned, first, or a gain file (default tuned)")
     study.add_argument("--out", type=_folder, metavar="DIR", help="folder of the results (default out/COMMAND)")
     study.add_argument("--workers", type=int, default=_cores(), help="processes (default: all cores)")
     study.add_argument("--threads", type=int, default=1, help="of MuJoCo in each process (default 1)")
@@ -170,6 +225,14 @@ def _parser() -> _Parser:
         help="repeat a trial of a saved study, e.g. out/compare:rigid/perfect:7",
     )
     command.set_defaults(function=run)
+
+    command = commands.add_parser("drive", parents=[shared], help=drive.__doc__, description=drive.__doc__)
+    command.add_argument("--model", default="dynabot", metavar="FILE.xml", help="another robot's MJCF, same names")
+    command.add_argument("--friction", type=float, metavar="MU", help="of tyres and ground (default the model's)")
+    command.add_argument("--payload", type=float, default=0.0, metavar="KG", help="mass on the robot's top (default 0)")
+    command.add_argument("--step-sizes", action="store_true", help="repeat it for physics steps from 0.5 to 8 ms too")
+    command.add_argument("--out", type=_folder, metavar="DIR", help="folder of the results (default out/drive)")
+    command.set_defaults(function=drive)
 
     command = commands.add_parser("schedule", parents=[shared], help=schedule.__doc__, description=schedule.__doc__)
     command.add_argument("--robots", type=int, default=3, help="number of robots, 2 to 7 (default 3)")
@@ -228,7 +291,12 @@ def _reproduced(options: argparse.Namespace) -> Any:
         raise InputError(f"case {label!r} given, the study has: {', '.join(labels)}")
     if number not in saved.trial.values:
         raise InputError(f"trial {number} given, the study has {saved.trial.values[0]} to {saved.trial.values[-1]}")
-    return scenario.one_trial(configuration.load(saved.attrs["configuration"], str(path)), label, number)
+    setup = configuration.load(saved.attrs["configuration"], str(path))
+    was = json.loads(saved.attrs["inputs"])
+    for name, digest in scenario.inputs(setup).items():
+        if was[name] != digest:
+            raise InputError(f"the {name} {getattr(setup.vehicle, name)!r} of {path} has changed since that study")
+    return scenario.one_trial(setup, label, number)
 
 
 def _run(setup: Any, folder: Path, options: argparse.Namespace, title: str) -> Any:

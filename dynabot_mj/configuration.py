@@ -6,7 +6,7 @@ Precedence is defaults < TOML < command line. Whatever is wrong is told in one l
 import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +15,14 @@ from pydantic import TypeAdapter, ValidationError
 
 from controllers.potential_field import polygon_circumradius
 from dynabot_mj import scene
-from dynabot_mj.errors import InputError
-from dynabot_mj.scenario import Methods, Scenario, field, method, periods
+from dynabot_mj.errors import InputError, one_line
+from dynabot_mj.scenario import Methods, Scenario, VehicleOptions, conditions, field, laws, mass, method, periods
 
 _NONE: Mapping[str, Any] = {}
+# Tables of the options that are not top-level keys.
+_TABLES = {"utilisation": "processor", "headings": "start"} | {
+    field.name: "vehicle" for field in fields(VehicleOptions)
+}
 
 
 def load(text: str, origin: str, defaults: Mapping[str, Any] = _NONE, **options: Any) -> Scenario:
@@ -28,8 +32,8 @@ def load(text: str, origin: str, defaults: Mapping[str, Any] = _NONE, **options:
         text: TOML.
         origin: Where it comes from, for the messages.
         defaults: Top-level keys that stand where the text has none, in place of the configuration's own defaults.
-        **options: Top-level keys that override the text's, and `utilisation` and `headings` of their tables; None where
-            not given.
+        **options: Top-level keys that override the text's, and `utilisation`, `headings` and the keys of `vehicle` of
+            their tables; None where not given.
 
     Raises:
         InputError: If the text is not TOML, or a key or a value is not allowed.
@@ -55,7 +59,7 @@ def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> S
     """Builds a configuration from a tree of plain values and overriding options; see `load`."""
     merged = dict(tree)
     for key, value in options.items():
-        table = {"utilisation": "processor", "headings": "start"}.get(key)
+        table = _TABLES.get(key)
         if value is None:
             continue
         if table is None:
@@ -71,7 +75,7 @@ def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> S
         # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
         setup = TypeAdapter(Scenario).validate_json(json.dumps(merged, default=str))
     except ValidationError as error:
-        raise InputError(f"{origin}: {_one_line(error)}") from error
+        raise InputError(f"{origin}: {one_line(error)}") from error
     check(setup)
     return setup
 
@@ -120,24 +124,15 @@ def check(setup: Scenario) -> None:
             f"field.leader_range = {setup.field.leader_range:g} m given; it must reach the start, up to {farthest:g} m "
             "from the leader, or nothing draws the robots there"
         )
+    if isinstance(setup.vehicle.friction, tuple) and setup.vehicle.friction[0] > setup.vehicle.friction[1]:
+        low, high = setup.vehicle.friction
+        raise InputError(f"vehicle.friction = {low:g}..{high:g} given, the first must not be above the second")
+    rigid_mass = scene.read_robot(conditions(setup)).vehicle.mass
     if "rigid" in setup.plants:
-        rigid_mass = scene.read_robot().vehicle.mass
+        laws(setup)
         # The same mass, so that the body is all that differs.
-        if abs(setup.mass - rigid_mass) > 1e-6:
+        if abs(mass(setup) - rigid_mass) > 1e-6:
             raise InputError(
-                f"mass = {setup.mass:g} kg given; with the rigid plant it must be the model's, {rigid_mass:g} kg"
+                f"mass = {setup.mass:g} kg given; with the rigid plant it must be the model's and its payload, "
+                f"{rigid_mass:g} kg"
             )
-
-
-def _one_line(error: ValidationError) -> str:
-    """Returns pydantic's findings as `key = value: what is allowed`, joined."""
-    lines: dict[str, str] = {}
-    for found in error.errors(include_url=False):
-        # Behind the field's own name, a union names its branch (such as "constrained-float") and a tuple its index.
-        key = ".".join(part for part in found["loc"] if isinstance(part, str) and part.isidentifier())
-        if found["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
-            lines[key] = f"unknown key {key}"
-        else:
-            # What a union or a tuple adds behind its first finding is about our types, not about the input.
-            lines.setdefault(key, f"{key} = {found['input']!r}: {found['msg'][0].lower()}{found['msg'][1:]}")
-    return "; ".join(lines.values())

@@ -1,5 +1,12 @@
 """Errors of this package: each message is one line that says what was given and what is allowed."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
+
 
 class DynabotError(Exception):
     """Base class of the errors that a caller may want to catch."""
@@ -15,3 +22,17 @@ class InfeasibleScheduleError(InputError):
 
 class OutOfFittedRangeError(InputError):
     """The radio model was asked for a fleet or a message outside the range that it was fitted on."""
+
+
+def one_line(error: ValidationError) -> str:
+    """Returns pydantic's findings as `key = value: what is allowed`, joined."""
+    lines: dict[str, str] = {}
+    for found in error.errors(include_url=False):
+        # Behind the field's own name, a union names its branch (such as "constrained-float") and a tuple its index.
+        key = ".".join(part for part in found["loc"] if isinstance(part, str) and part.isidentifier())
+        if found["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
+            lines[key] = f"unknown key {key}"
+        else:
+            # What a union or a tuple adds behind its first finding is about our types, not about the input.
+            lines.setdefault(key, f"{key} = {found['input']!r}: {found['msg'][0].lower()}{found['msg'][1:]}")
+    return "; ".join(lines.values())

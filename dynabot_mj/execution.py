@@ -57,7 +57,7 @@ class _Chunk:
     def name(self) -> str:
         """A file name that only the same work has: whatever changes the result changes the name."""
         setup = configuration.dump(replace(self.setup, trials=1, first_trial=0))
-        content = (setup, versions(), _source_digest(), asdict(self.case))
+        content = (setup, scenario.inputs(self.setup), versions(), _source_digest(), asdict(self.case))
         key = hashlib.sha256(repr((content, self.trials, self.recorded)).encode()).hexdigest()[:16]
         return f"{self.case.label.replace('/', '-')}-{self.trials.start}-{key}.pickle"
 
@@ -146,7 +146,7 @@ def _source_digest() -> str:
     digest = hashlib.sha256()
     for package in (models, controllers, estimation, dynabot_mj):
         folder = Path(package.__path__[0])
-        for file in sorted([*folder.rglob("*.py"), *folder.rglob("*.xml")]):
+        for file in sorted(file for kind in ("*.py", "*.xml", "*.toml") for file in folder.rglob(kind)):
             digest.update(file.read_bytes())
     return digest.hexdigest()
 

@@ -5,30 +5,43 @@ not an identification. `"auto"` marks a value that follows from others; it stays
 describes the same study when one of those others is changed. `dynabot_mj.configuration` reads and writes TOML.
 """
 
+import hashlib
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Literal, get_args
 
+import numpy as np
 from pydantic import ConfigDict, Field
 from pydantic.dataclasses import dataclass
 
+from controllers import gains
 from controllers.potential_field import PotentialField, Well, polygon_circumradius
-from dynabot_mj import schedule, testbed
+from controllers.steering import HandPoint, Heading
+from dynabot_mj import scene, schedule, testbed
+from dynabot_mj.arrays import Array
 from dynabot_mj.errors import InputError
+from dynabot_mj.plants.rigid_body import LocalLaws
 from dynabot_mj.radio import INSTANT_LINK, Link, dynabot_link
+from dynabot_mj.streams import Purpose, generators
 
 PlantName = Literal["particle", "rigid"]
 EstimatorName = Literal["perfect", "gps", "decoupled", "coupled"]
 PerceptionName = Literal["gauss-markov"]
 HeadingChoice = Literal["random", "leader"]
+SteeringName = Literal["hand-point", "heading"]
+SensingName = Literal["on-board", "truth"]
 
 PLANTS: tuple[PlantName, ...] = get_args(PlantName)
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
 PERCEPTIONS: tuple[PerceptionName, ...] = get_args(PerceptionName)
 HEADINGS: tuple[HeadingChoice, ...] = get_args(HeadingChoice)
+STEERINGS: tuple[SteeringName, ...] = get_args(SteeringName)
+SENSINGS: tuple[SensingName, ...] = get_args(SensingName)
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 PositiveOrInfinite = Annotated[float, Field(gt=0.0)]
+Friction = Annotated[float, Field(ge=0.05, le=1.5)]
 _STRICT = ConfigDict(extra="forbid", strict=True)
 
 
@@ -91,6 +104,20 @@ class StartOptions:
 
 
 @dataclass(frozen=True, kw_only=True, config=_STRICT)
+class VehicleOptions:
+    """The rigid robots, the ground, and the local laws that make them follow their force commands."""
+
+    model: str = scene.BUILT_IN  # or the path of another robot's MJCF
+    # Coefficient of tyre and ground; two values: drawn uniformly between them, one per trial; model: the MJCF's
+    friction: Friction | tuple[Friction, Friction] | Literal["model"] = "model"
+    slope: Annotated[float, Field(ge=-0.5, le=0.5)] = 0.0  # rise of the ground per metre toward +x
+    payload: NotNegative = 0.0  # mass on each robot's top [kg]
+    steering: SteeringName = "hand-point"
+    sensing: SensingName = "on-board"  # truth: the local laws know the true speed and yaw rate
+    gains: str = "tuned"  # of the local laws: a set of controllers/gains, or the path of a gain file
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
 class ProcessorOptions:
     """The processor that the tasks share."""
 
@@ -125,10 +152,11 @@ class Scenario:
     plants: Annotated[tuple[PlantName, ...], Field(min_length=1)] = PLANTS
     estimators: Annotated[tuple[EstimatorName, ...], Field(min_length=1)] = ESTIMATORS
     perception: Annotated[tuple[PerceptionName, ...], Field(min_length=1)] = PERCEPTIONS
-    mass: Positive = 12.0  # of a particle [kg]; ours, and that of the rigid robot
+    mass: Positive | Literal["auto"] = "auto"  # of a particle [kg]; auto: that of the rigid robot with its payload
     collision_distance: Positive = 0.40  # between two centres, below which they have collided [m]; ours
     field: FieldOptions = FieldOptions()
     start: StartOptions = StartOptions()
+    vehicle: VehicleOptions = VehicleOptions()
     processor: ProcessorOptions = ProcessorOptions()
     radio: RadioOptions = RadioOptions()
     surrogate: SurrogateOptions = SurrogateOptions()
@@ -157,6 +185,57 @@ def cases(setup: Scenario) -> list[Case]:
         for perception in ([None] if estimator == "perfect" else dict.fromkeys(setup.perception))
         for plant in dict.fromkeys(setup.plants)
     ]
+
+
+def conditions(setup: Scenario) -> scene.Conditions:
+    """Returns which rigid robots a study has, and their ground; friction that differs by trial is `friction`'s."""
+    vehicle = setup.vehicle
+    return scene.Conditions(
+        model=vehicle.model,
+        payload=vehicle.payload,
+        slope=vehicle.slope,
+        friction=vehicle.friction if isinstance(vehicle.friction, float) else None,
+    )
+
+
+def friction(setup: Scenario, trials: Sequence[int]) -> Array | None:
+    """Returns the friction of each trial, (B,), where it differs from trial to trial."""
+    if not isinstance(setup.vehicle.friction, tuple):
+        return None
+    low, high = setup.vehicle.friction
+    return np.array([low + (high - low) * g.random() for g in generators(setup.seed, trials, Purpose.FRICTION)])
+
+
+def mass(setup: Scenario) -> float:
+    """Returns the mass of a particle, and of the point mass that a rigid robot imitates [kg]."""
+    return scene.read_robot(conditions(setup)).vehicle.mass if setup.mass == "auto" else setup.mass
+
+
+def laws(setup: Scenario) -> LocalLaws:
+    """Returns the local laws of the rigid robots.
+
+    Raises:
+        InputError: If there are no such gains.
+    """
+    try:
+        found = gains.load(setup.vehicle.gains)
+    except (FileNotFoundError, ValueError) as error:
+        raise InputError(str(error)) from error
+    steering: HandPoint | Heading = found.hand_point if setup.vehicle.steering == "hand-point" else found.heading
+    return LocalLaws(steering=steering, traction=found.traction, on_board=setup.vehicle.sensing == "on-board")
+
+
+def inputs(setup: Scenario) -> dict[str, str]:
+    """Returns digests of the files that a study reads: results hold for their content, not for their names.
+
+    Raises:
+        InputError: If one cannot be read.
+    """
+    try:
+        found = {"model": scene.path(setup.vehicle.model), "gains": gains.path(setup.vehicle.gains)}
+    except FileNotFoundError as error:
+        raise InputError(str(error)) from error
+    return {name: hashlib.sha256(file.read_bytes()).hexdigest()[:16] for name, file in found.items()}
 
 
 def method(setup: Scenario, estimator: EstimatorName) -> Method:

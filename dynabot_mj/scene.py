@@ -115,8 +115,8 @@ def read_robot(conditions: Conditions = NOMINAL) -> Robot:
         mass_centre_forward=float(centre[0] - data.xpos[chassis, 0]),
         wheel_inertia=wheel_inertia,
         wheel_damping=float(model.dof_damping[joints[0].dofadr[0]]),
-        # The field's floor is at height zero, so the axle's height is the radius that the loaded tyre rolls on.
-        wheel_radius=float(data.xpos[bodies[0], 2]),
+        # The field's floor is at height zero; contact is made half-way between it and the tyre's undeformed outline.
+        wheel_radius=float(data.xpos[bodies[0], 2] + model.geom_size[tyre, 0]) / 2.0,
         track=float(np.ptp(axles[:, 1])),
         wheelbase=float(np.ptp(axles[:, 0])),
         length=2.0 * float(hull[0]),
@@ -135,13 +135,22 @@ def read_robot(conditions: Conditions = NOMINAL) -> Robot:
     return Robot(vehicle=vehicle, height=float(pose[2]), orientation=tuple(pose[3:7].tolist()))
 
 
+def path(model: str) -> Path:
+    """Returns the file of a robot, the built-in one's or another's.
+
+    Raises:
+        InputError: If there is no such file.
+    """
+    file = models.path("dynabot.xml") if model == BUILT_IN else Path(model)
+    if not file.is_file():
+        raise InputError(f"model {model!r} given, it must be {BUILT_IN!r} or an MJCF file")
+    return file
+
+
 def _load(model: str) -> mujoco.MjSpec:
     """Reads one robot and makes sure that it has the parts that everything else refers to by name."""
-    path = models.path("dynabot.xml") if model == BUILT_IN else Path(model)
-    if not path.is_file():
-        raise InputError(f"model {model!r} given, it must be {BUILT_IN!r} or an MJCF file")
     try:
-        robot = mujoco.MjSpec.from_file(str(path))
+        robot = mujoco.MjSpec.from_file(str(path(model)))
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(f"the model {model} cannot be read: {' '.join(str(error).split())}") from error
     parts = {

@@ -61,6 +61,8 @@ class Outcome:
 
     scores: Scores
     diverged: BoolArray  # (B,)
+    hull_contact: Array  # (B,) 1 or 0; NaN for point masses
+    wheel_slip: Array  # (B,) largest [m/s]; NaN for point masses
     message_age: Array  # (B,) mean age of the positions acted on [s]; NaN without neighbours heard
     final_position_w: Array  # (B, n, 2) [m]
     final_heading: Array  # (B, n) [rad]
@@ -99,7 +101,7 @@ def simulate(
     if phase is None:
         phase = np.zeros(setup.robots, dtype=np.int64)
     clocks = Clocks(sample_ticks=sample_ticks, control_ticks=control_ticks, phase=phase)
-    plant = _plant(setup, case, position_w, heading, threads)
+    plant = _plant(setup, case, position_w, heading, trials, threads)
     perception = _perception(setup, case, sample_ticks * tick, trials)
     radio = Radio(scenario.link(setup, case.estimator), setup.robots, setup.seed, trials)
     field = scenario.field(setup, case.estimator)
@@ -135,6 +137,8 @@ def simulate(
     return Outcome(
         scores=scorer.scores(),
         diverged=plant.diverged.copy(),
+        hull_contact=plant.hull_contact.astype(float),
+        wheel_slip=plant.wheel_slip.astype(float),
         message_age=age_sum / age_count,
         final_position_w=plant.state.position_w,
         final_heading=plant.state.heading,
@@ -166,12 +170,21 @@ def starts(setup: Scenario, trials: Sequence[int]) -> tuple[Array, Array]:
     return position_w, (2.0 * uniform - 1.0) * np.pi
 
 
-def _plant(setup: Scenario, case: Case, position_w: Array, heading: Array, threads: int) -> Plant:
+def _plant(
+    setup: Scenario, case: Case, position_w: Array, heading: Array, trials: Sequence[int], threads: int
+) -> Plant:
     match case.plant:
         case "particle":
-            return ParticlePlant(setup.mass, position_w, heading)
+            return ParticlePlant(scenario.mass(setup), position_w, heading)
         case "rigid":
-            return RigidBodyPlant(position_w, heading, threads)
+            return RigidBodyPlant(
+                position_w,
+                heading,
+                scenario.laws(setup),
+                conditions=scenario.conditions(setup),
+                friction=scenario.friction(setup, trials),
+                threads=threads,
+            )
 
 
 def _perception(setup: Scenario, case: Case, sample_period: float, trials: Sequence[int]) -> Perception:
@@ -190,7 +203,7 @@ def _perception(setup: Scenario, case: Case, sample_period: float, trials: Seque
 
 
 def _formation(setup: Scenario, case: Case, field: potential_field.PotentialField) -> Formation:
-    vehicle = scene.read_robot().vehicle
+    vehicle = scene.read_robot(scenario.conditions(setup)).vehicle
     return Formation(
         well_radius=field.leader.radius,
         spacing=field.neighbour.radius,

@@ -22,6 +22,7 @@ class Purpose(enum.IntEnum):
     ESTIMATION_ERROR = 2
     LATENCY = 3
     LOSS = 4
+    FRICTION = 5
 
 
 def generators(seed: int, trials: Sequence[int], purpose: Purpose) -> list[np.random.Generator]:

@@ -4,6 +4,7 @@ The Dataset carries the science (configuration, versions, seed); how it was exec
 so that equal studies are equal bytes.
 """
 
+import json
 import operator
 from collections.abc import Mapping
 from pathlib import Path
@@ -36,6 +37,8 @@ _VARIABLES = {
     "completion_common": ("scores.completion_common", _TRIAL, "1", "1: formation within 1 m"),
     "top_speed": ("scores.top_speed", _TRIAL, "m/s", "highest speed of any robot"),
     "closest": ("scores.closest", _TRIAL, "m", "smallest distance between two centres"),
+    "hull_contact": ("hull_contact", _TRIAL, "1", "1: a hull touched something; NaN for point masses"),
+    "wheel_slip": ("wheel_slip", _TRIAL, "m/s", "largest slip of a tyre along its wheel; NaN for point masses"),
     "message_age": ("message_age", _TRIAL, "s", "mean age of the neighbours' positions when acted on"),
     "final_position_w": ("final_position_w", ("trial", "robot", "axis"), "m", "position of the centre at the end"),
     "final_heading": ("final_heading", ("trial", "robot"), "rad", "heading at the end"),
@@ -109,6 +112,7 @@ def _dataset(setup: Scenario, by_case: Mapping[Case, list[Outcome]]) -> xr.Datas
     attributes = {
         "title": "Formation control under limited computation: point masses and rigid bodies",
         "configuration": configuration.dump(setup),
+        "inputs": json.dumps(scenario.inputs(setup)),
         "versions": versions(),
         "seed": setup.seed,
         "duration": setup.duration,

@@ -58,6 +58,7 @@ class Row:
     top_speed_mps: Mean
     collision: Rate
     collision_footprint: Rate
+    hull_contact: Rate  # undefined for point masses
     completion: Rate
     completion_common: Rate
     diverged: int
@@ -96,6 +97,7 @@ def row(case: xr.Dataset) -> Row:
         top_speed_mps=statistics.mean(case.top_speed),
         collision=statistics.rate(case.collision),
         collision_footprint=statistics.rate(case.collision_footprint),
+        hull_contact=statistics.rate(case.hull_contact),
         completion=statistics.rate(case.completion),
         completion_common=statistics.rate(case.completion_common),
         diverged=int(case.diverged.sum()),
@@ -143,8 +145,8 @@ def markdown(study: xr.Dataset) -> str:
         *_aligned(_header(), _body(summary, robots)),
         "",
         "Rates in % with 95 % Wilson intervals; settling as mean ± sd over the n trials that neither collided nor",
-        "stayed unsettled. Hulls: footprints overlap. Band 1 m: the completion criterion common to all rows. Runs",
-        "shorter than 13 s have neither settling nor completion (-).",
+        "stayed unsettled. Hulls: footprints overlap; contact: a hull came within 2 cm of another. Band 1 m: the",
+        "completion criterion common to all rows. Runs shorter than 13 s have neither settling nor completion (-).",
     ]
     if differences:
         lines += [
@@ -182,6 +184,7 @@ def _header() -> list[str]:
         "top speed [m/s]",
         "collision",
         "hulls",
+        "contact",
         "completion",
         "band 1 m",
         "diverged",
@@ -207,6 +210,7 @@ def _body(summary: Sequence[Row], robots: int) -> list[list[str]]:
                     _mean(one.top_speed_mps),
                     _rate(one.collision),
                     _rate(one.collision_footprint),
+                    _rate(one.hull_contact),
                     _rate(one.completion),
                     _rate(one.completion_common),
                     str(one.diverged),
@@ -220,7 +224,7 @@ def _published(row: TableIIIRow) -> list[str]:
     period, spread = f"{1e3 * row.period:g}", "" if row.settling_sd is None else f" ± {row.settling_sd:g}"
     rates = f"{100 * row.collision:.0f}", f"{100 * row.completion:.0f}"
     gains = f"{row.alpha_h:g}, {row.alpha_d:g}"
-    return [f"{period}, {period}", gains, f"{row.settling:g}{spread}", "", "", "", rates[0], "", rates[1], "", ""]
+    return [f"{period}, {period}", gains, f"{row.settling:g}{spread}", "", "", "", rates[0], "", "", rates[1], "", ""]
 
 
 def _difference_body(differences: Sequence[Paired]) -> list[list[str]]:

@@ -34,6 +34,16 @@ class Plant(Protocol):
         """Trials whose simulation broke down at some time and no longer means anything, (B,)."""
         ...
 
+    @property
+    def hull_contact(self) -> Array | BoolArray:
+        """Trials in which a hull has touched anything so far, (B,); NaN where there are no hulls."""
+        ...
+
+    @property
+    def wheel_slip(self) -> Array:
+        """Largest speed of a tyre along its wheel's plane against the ground so far, (B,) [m/s]; NaN without wheels."""
+        ...
+
     def step(self, force_w: Array, gap: float) -> Sequence[FleetState]:
         """Advances all robots under a held force command.
 

@@ -51,6 +51,16 @@ class ParticlePlant:
         """Trials whose sampled loop has blown up, (B,); their robots rest where they were before."""
         return self._diverged
 
+    @property
+    def hull_contact(self) -> Array:
+        """NaN: there are no hulls, (B,)."""
+        return np.full(len(self._diverged), np.nan)
+
+    @property
+    def wheel_slip(self) -> Array:
+        """NaN: there are no wheels, (B,) [m/s]."""
+        return np.full(len(self._diverged), np.nan)
+
     def step(self, force_w: Array, gap: float) -> Sequence[FleetState]:
         """Advances exactly; see `Plant.step`."""
         looks = math.ceil(gap / LOOK_PERIOD - 1e-9)

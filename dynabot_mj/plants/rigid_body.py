@@ -1,17 +1,24 @@
 """MuJoCo models of the Dynabot, all trials stepped at once, each robot tracking its force command with its local laws.
 
+The laws run on what the robot has on board: yaw rate from the gyro, forward speed from wheel speeds and accelerometer
+(`controllers.odometry`); its heading is known to it. Or on the truth, to tell one's errors from the other's.
+
 The local laws run at a period of their own, the gap divided so that it is at most 39 ms: at the 156 ms of the coupled
 EKF they would limit-cycle. The physics step divides that period again. Both divide evenly, so nothing drifts.
 """
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from mujoco import batch
 
-from controllers import steering, traction
+from controllers import odometry, steering, traction
+from controllers.odometry import Odometry
+from controllers.steering import HandPoint, Heading
+from controllers.traction import Traction
 from dynabot_mj import scene
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.plants import LOOK_PERIOD, FleetState
@@ -31,37 +38,72 @@ _BREAKDOWNS = [
 ]
 
 
+_ODOMETRY = Odometry()
+
+
+@dataclass(frozen=True, kw_only=True)
+class LocalLaws:
+    """How each robot turns its force command into motor commands."""
+
+    steering: HandPoint | Heading
+    traction: Traction
+    odometry: Odometry = _ODOMETRY
+    on_board: bool = True  # False: they know the true speed and yaw rate
+
+
 class RigidBodyPlant:
     """Four-wheel skid-steer vehicles."""
 
-    def __init__(self, position_w: Array, heading: Array, threads: int = 1) -> None:
+    def __init__(
+        self,
+        position_w: Array,
+        heading: Array,
+        laws: LocalLaws,
+        *,
+        conditions: scene.Conditions = scene.NOMINAL,
+        friction: Array | None = None,
+        threads: int = 1,
+    ) -> None:
         """Puts the robots at rest on their settled tyres.
 
         Args:
             position_w: Start positions, (B, n, 2) [m].
             heading: Start headings, (B, n) [rad].
+            laws: Of each robot.
+            conditions: Which robots, and on what ground.
+            friction: Of tyres and ground in each trial, (B,); None: the same in all, by the conditions.
             threads: Of MuJoCo; they change the speed, never the result.
         """
         trials, robots = heading.shape
         # MuJoCo would print its warnings, from several threads, and append them to a file in the working directory;
         # the batch counts them, and those that matter are reported as divergence.
         mujoco.set_mju_user_warning(lambda message: None)
-        robot = scene.read_robot()
-        self._vehicle = robot.vehicle
-        self._hand_point, self._traction = steering.HandPoint(), traction.Traction()
-        self._batch = batch.Batch(scene.compose(robots).compile(), nsim=trials, nthread=threads)
+        robot = scene.read_robot(conditions)
+        self._vehicle, self._laws = robot.vehicle, laws
+        model = scene.compose(robots, conditions).compile()
+        self._batch = batch.Batch(model, nsim=trials, nthread=threads)
         self._timestep = self._batch.expand("opt.timestep")  # (B,)
+        if friction is not None:
+            # Kept, since the batch looks at it in every step.
+            self._friction = self._batch.expand("pair_friction").reshape(trials, model.npair, -1)
+            self._friction[..., :2] = friction[:, None, None]
         # Each robot's coordinates begin with its free joint; the four wheels follow.
         self._qpos = self._batch.bind("qpos").reshape(trials, robots, -1)
         self._qvel = self._batch.bind("qvel").reshape(trials, robots, -1)
         self._ctrl = self._batch.bind("ctrl").reshape(trials, robots, len(scene.WHEELS), 2)
+        self._sensors = self._batch.bind("sensordata").reshape(trials, -1)
+        self._hull_sensors = [int(model.sensor(f"{scene.prefix(i)}hull_contact").adr[0]) for i in range(robots)]
         self._qpos[..., :2] = position_w
         self._qpos[..., 2] = robot.height
         self._qpos[..., 3:7] = _turned(heading, np.array(robot.orientation))
-        self._reference_w = np.zeros_like(position_w)
+        self._reference = steering.rest(heading.shape)
+        self._velocity_w = np.zeros_like(position_w)
         self._diverged = np.zeros(trials, dtype=bool)
+        self._hull_contact = np.zeros(trials, dtype=bool)
+        self._wheel_slip = np.zeros(trials)
         self._heading = heading.copy()
         self._state = self._read(0.0)
+        self._sensed = self._state
 
     @property
     def state(self) -> FleetState:
@@ -72,6 +114,16 @@ class RigidBodyPlant:
     def diverged(self) -> BoolArray:
         """Trials in which MuJoCo met a NaN or a huge value, (B,)."""
         return self._diverged
+
+    @property
+    def hull_contact(self) -> BoolArray:
+        """Trials in which a hull has touched anything so far, (B,)."""
+        return self._hull_contact
+
+    @property
+    def wheel_slip(self) -> Array:
+        """Largest speed of a tyre along its wheel's plane against the ground so far, (B,) [m/s]."""
+        return self._wheel_slip
 
     def step(self, force_w: Array, gap: float) -> Sequence[FleetState]:
         """Advances by local-law periods and physics steps; see `Plant.step`."""
@@ -90,24 +142,41 @@ class RigidBodyPlant:
                 self._advance(count)
                 # Rounded, so that sums of many gaps do not drift off the timer.
                 self._state = self._read(round(start + period * (local + done / steps), 9))
+                self._wheel_slip = np.maximum(self._wheel_slip, self._slip())
                 states.append(self._state)
         return states
 
     def _act(self, force_w: Array, period: float) -> None:
-        """Runs the local laws on true heading, forward speed and yaw rate, and sets the motors' commands."""
-        state = self._state
-        speed = state.velocity_w[..., 0] * np.cos(state.heading) + state.velocity_w[..., 1] * np.sin(state.heading)
-        self._reference_w, motion = steering.steer(
-            self._reference_w,
+        """Runs the local laws and sets the motors' commands."""
+        state, laws = self._state, self._laws
+        speed, yaw_rate = self._sense() if laws.on_board else (_along(state.velocity_w, state.heading), state.yaw_rate)
+        self._reference, motion = steering.steer(
+            self._reference,
             force_w,
             state.heading,
             speed,
             mass=self._vehicle.mass,
             period=period,
-            gains=self._hand_point,
+            gains=laws.steering,
         )
-        wheel_speed, torque = traction.drive(motion, speed, state.yaw_rate, vehicle=self._vehicle, gains=self._traction)
+        wheel_speed, torque = traction.drive(motion, speed, yaw_rate, vehicle=self._vehicle, gains=laws.traction)
         self._ctrl[..., 0], self._ctrl[..., 1] = wheel_speed, torque
+
+    def _sense(self) -> tuple[Array, Array]:
+        """Returns forward speed and yaw rate by wheels, accelerometer and gyro, (B, n) [m/s], [rad/s]."""
+        before, now = self._sensed, self._state
+        if now.time > before.time:
+            self._velocity_w = odometry.velocity(
+                self._velocity_w,
+                now.velocity_w - before.velocity_w,
+                now.heading,
+                self._qvel[..., 6:],
+                wheel_radius=self._vehicle.wheel_radius,
+                period=now.time - before.time,
+                gains=self._laws.odometry,
+            )
+            self._sensed = now
+        return _along(self._velocity_w, now.heading), self._qvel[..., 5].copy()
 
     def _advance(self, steps: int) -> None:
         """Steps the trials that have not diverged."""
@@ -115,6 +184,7 @@ class RigidBodyPlant:
             return
         self._batch.step(np.nonzero(~self._diverged)[0] if self._diverged.any() else None, nstep=steps)
         self._diverged |= (self._batch.warning[:, _BREAKDOWNS, 1] > 0).any(axis=-1)
+        self._hull_contact |= (self._sensors[:, self._hull_sensors] > 0.0).any(axis=-1)
 
     def _read(self, time: float) -> FleetState:
         """Copies the planar state out of the batch."""
@@ -137,6 +207,16 @@ class RigidBodyPlant:
         )
         return self._frozen(state) if self._diverged.any() else state
 
+    def _slip(self) -> Array:
+        """Returns the largest slip of a tyre along its wheel's plane now, (B,) [m/s]."""
+        half_track = self._vehicle.track / 2.0
+        ground = (
+            _along(self._state.velocity_w, self._state.heading)[..., None]
+            + half_track * self._state.yaw_rate[..., None] * traction.SIDES
+        )
+        slip = np.abs(self._vehicle.wheel_radius * self._qvel[..., 6:] - ground).max(axis=(1, 2))
+        return np.where(self._diverged, 0.0, slip)
+
     def _frozen(self, state: FleetState) -> FleetState:
         """Replaces what MuJoCo's reset left in the diverged trials by their last state before it."""
         last, gone = self._state, self._diverged
@@ -148,6 +228,11 @@ class RigidBodyPlant:
             heading=self._heading,
             yaw_rate=np.where(gone[:, None], last.yaw_rate, state.yaw_rate),
         )
+
+
+def _along(velocity_w: Array, heading: Array) -> Array:
+    """Returns the speed along the heading, (B, n) [m/s]."""
+    return velocity_w[..., 0] * np.cos(heading) + velocity_w[..., 1] * np.sin(heading)
 
 
 def _turned(heading: Array, orientation: Array) -> Array:

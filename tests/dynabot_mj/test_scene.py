@@ -2,7 +2,9 @@ import mujoco
 import numpy as np
 import pytest
 
+import models
 from dynabot_mj import scene
+from dynabot_mj.errors import InputError
 
 
 @pytest.fixture(scope="module")
@@ -98,6 +100,113 @@ def test_sensors_of_the_test_bed_are_there(one):
     mujoco.mj_forward(model, data)
     names = {model.sensor(i).name for i in range(model.nsensor)}
     wheels = {f"r0/{wheel}_speed" for wheel in scene.WHEELS}
-    assert {"r0/accelerometer", "r0/gyro", "r0/magnetometer", "r0/position", "r0/velocity", "r0/hull_contact"} | wheels == names
+    assert {
+        "r0/accelerometer",
+        "r0/gyro",
+        "r0/magnetometer",
+        "r0/position",
+        "r0/velocity",
+        "r0/hull_contact",
+    } | wheels == names
     # At rest the accelerometer feels gravity alone.
     np.testing.assert_allclose(data.sensor("r0/accelerometer").data, [0, 0, 9.81], atol=0.01)
+
+
+def test_the_vehicles_parameters_by_hand():
+    vehicle = scene.read_robot().vehicle
+    # Box of the chassis, and four cylinders of radius 0.10 and width 0.07 at (0.17, 0.21), about the vertical.
+    wheel = 0.6 * (3.0 * 0.1**2 + 0.07**2) / 12.0 + 0.6 * (0.17**2 + 0.21**2)
+    assert vehicle.yaw_inertia == pytest.approx(0.272 + 4.0 * wheel)
+    assert vehicle.yaw_inertia == pytest.approx(0.45418)
+    assert vehicle.mass_centre_height == pytest.approx((9.6 * 0.09 + 2.4 * 0.10) / 12.0, abs=1e-5)
+    assert vehicle.mass_centre_forward == pytest.approx(0.0, abs=1e-9)
+    # Of the motor's nominal 24 V, stall torque 8 Nm and no-load speed 104 rad/s.
+    assert vehicle.torque_constant == pytest.approx(24.0 / 104.0)
+    assert vehicle.resistance == pytest.approx(24.0 * (24.0 / 104.0) / 8.0)
+    assert vehicle.current_limit == pytest.approx(2.0 / (24.0 / 104.0))
+    assert (vehicle.voltage, vehicle.servo_gain, vehicle.wheel_damping) == pytest.approx((24.0, 0.5, 0.002))
+    assert vehicle.effective_mass == pytest.approx(12.0 + 4.0 * 0.007 / 0.1**2, rel=1e-3)
+    assert vehicle.turning_track == pytest.approx(0.42 + 0.34**2 / 0.42)
+
+
+def test_a_payload_is_heavier_and_higher():
+    bare = scene.read_robot().vehicle
+    loaded = scene.read_robot(scene.Conditions(payload=4.0)).vehicle
+    assert loaded.mass == pytest.approx(16.0)
+    # The box of 0.10 m stands on the hull, whose top is 0.07 m above the axles.
+    sunk = bare.wheel_radius - loaded.wheel_radius
+    by_hand = (12.0 * bare.mass_centre_height + 4.0 * (0.10 + 0.07 + 0.05)) / 16.0 - sunk
+    assert loaded.mass_centre_height == pytest.approx(by_hand, abs=1e-4)
+    assert 0.0 < sunk < 0.001
+    # A box of 0.20 x 0.16 m about the vertical.
+    assert loaded.yaw_inertia == pytest.approx(bare.yaw_inertia + 4.0 * (0.20**2 + 0.16**2) / 12.0)
+
+
+def test_friction_is_that_of_the_conditions():
+    assert scene.read_robot(scene.Conditions(friction=0.3)).vehicle.friction == 0.3
+
+
+def test_a_slope_tilts_gravity_and_keeps_its_strength():
+    model = scene.compose(1, scene.Conditions(slope=0.2)).compile()
+    assert np.linalg.norm(model.opt.gravity) == pytest.approx(9.81)
+    assert model.opt.gravity[0] / model.opt.gravity[2] == pytest.approx(0.2)
+    assert model.opt.gravity[0] < 0.0  # downhill is -x
+
+
+def another(tmp_path, *replacements):
+    """Writes the robot's file with some text replaced, and returns its conditions."""
+    text = models.path("dynabot.xml").read_text(encoding="utf-8")
+    for old, new in replacements:
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "robot.xml").write_text(text, encoding="utf-8")
+    return scene.Conditions(model=str(tmp_path / "robot.xml"))
+
+
+def test_another_robot_with_the_same_names_is_read(tmp_path):
+    vehicle = scene.read_robot(another(tmp_path, ('mass="0.6" euler', 'mass="1.2" euler'))).vehicle
+    assert vehicle.mass == pytest.approx(9.6 + 4.0 * 1.2)
+    assert vehicle.wheel_inertia == pytest.approx(1.2 * 0.1**2 / 2.0 + 0.004)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('<joint name="rear_left"', '<joint name="other"', "no joint named 'rear_left'"),
+        ('<dcmotor name="front_right"', '<dcmotor name="other"', "no actuator named 'front_right'"),
+        ('name="rear_right_tyre"', 'name="other"', "no geom named 'rear_right_tyre'"),
+        ('name="hull"', 'name="other"', "no geom named 'hull'"),
+        ('<freejoint name="free"/>', '<freejoint name="loose"/>', "no joint named 'free'"),
+        ("<worldbody>", "<worldbody", "cannot be read"),
+        ('condim="3"', 'condom="3"', "unrecognized attribute: 'condom'"),
+        ('controller="0 0 0.5 0 0 24"', 'controller="0 0 x"', "cannot be read"),
+        ('input="vel ff"', 'input="vel"', "actuator 'front_left' must be a dcmotor with input"),
+    ],
+)
+def test_a_robot_that_lacks_something_is_refused_with_its_name(old, new, message, tmp_path):
+    conditions = another(tmp_path, (old, new))
+    # The same error is said again when somebody asks again.
+    for _ in range(2):
+        with pytest.raises(InputError, match=message) as error:
+            scene.read_robot(conditions)
+        assert "\n" not in str(error.value)
+        assert conditions.model in str(error.value)
+
+
+def test_a_robot_with_a_wheel_in_the_air_is_refused(tmp_path):
+    conditions = another(tmp_path, ('pos="-0.17 0.21 0"', 'pos="-0.17 0.21 0.05"'))
+    with pytest.raises(InputError, match="does not come to rest on its four tyres"):
+        scene.read_robot(conditions)
+
+
+def test_a_model_that_is_no_file_or_no_mjcf_is_refused(tmp_path):
+    with pytest.raises(InputError, match="must be 'dynabot' or an MJCF file"):
+        scene.read_robot(scene.Conditions(model=str(tmp_path / "absent.xml")))
+    with pytest.raises(InputError, match="must be 'dynabot' or an MJCF file"):
+        scene.read_robot(scene.Conditions(model=str(tmp_path)))
+    (tmp_path / "text.xml").write_text("not XML at all")
+    with pytest.raises(InputError, match="cannot be read"):
+        scene.read_robot(scene.Conditions(model=str(tmp_path / "text.xml")))
+    (tmp_path / "binary.xml").write_bytes(bytes(range(256)))
+    with pytest.raises(InputError, match="cannot be read"):
+        scene.read_robot(scene.Conditions(model=str(tmp_path / "binary.xml")))

@@ -1,0 +1,61 @@
+"""Velocity from what a robot has on board: accelerometer, heading and wheel speeds.
+
+The wheels tell the speed as long as they roll. Accelerating, braking and on slippery ground they slip, and a slip limit
+that took them at their word would follow a spinning wheel. So the velocity is carried on by the measured acceleration
+and corrected, forward by the wheels, the less the further they are from it, and sideways to none, since tyres give way
+there only for a moment:
+
+    v- = v + dv,    v+ = v- + a d e_x - b (v- . e_y) e_y,    d = R mean(wheel speeds) - v- . e_x,
+    a = (1 - e^(-k T)) / (1 + (d / s)^2),    b = 1 - e^(-q T).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Odometry:
+    """Gains of the filter."""
+
+    correction: float = 4.0  # k, forward, by wheels that roll [1/s]
+    slip: float = 0.3  # s, difference from which the wheels are believed less than half [m/s]
+    settling: float = 1.0  # q, sideways [1/s]
+
+
+def velocity(
+    velocity_w: Array,
+    increment_w: Array,
+    heading: Array,
+    wheel_speed: Array,
+    *,
+    wheel_radius: float,
+    period: float,
+    gains: Odometry,
+) -> Array:
+    """Returns the velocity after a period.
+
+    Args:
+        velocity_w: v before, (..., 2) [m/s].
+        increment_w: dv, the measured acceleration integrated over the period, (..., 2) [m/s].
+        heading: At the period's end, (...) [rad].
+        wheel_speed: Of the four wheels, (..., 4) [rad/s].
+        wheel_radius: R [m].
+        period: T [s].
+        gains: Of this filter.
+
+    Returns:
+        (..., 2) [m/s].
+    """
+    forward_w = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
+    left_w = np.stack([-forward_w[..., 1], forward_w[..., 0]], axis=-1)
+    predicted_w = velocity_w + increment_w
+    along, across = (predicted_w * forward_w).sum(axis=-1), (predicted_w * left_w).sum(axis=-1)
+    difference = wheel_radius * wheel_speed.mean(axis=-1) - along
+    belief = (1.0 - math.exp(-gains.correction * period)) / (1.0 + (difference / gains.slip) ** 2)
+    sideways = 1.0 - math.exp(-gains.settling * period)
+    return predicted_w + (belief * difference)[..., None] * forward_w - (sideways * across)[..., None] * left_w
