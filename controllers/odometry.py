@@ -2,8 +2,8 @@
 
 The wheels tell the speed as long as they roll. Accelerating, braking and on slippery ground they slip, and a slip limit
 that took them at their word would follow a spinning wheel. So the velocity is carried on by the measured acceleration
-and corrected, forward by the wheels, the less the further they are from it, and sideways to none, since tyres give way
-there only for a moment:
+and corrected, forward by the wheels, the less the further they are from it, and sideways to none, slowly, since on
+slippery ground a robot slides for seconds:
 
     v- = v + dv,    v+ = v- + a d e_x - b (v- . e_y) e_y,    d = R mean(wheel speeds) - v- . e_x,
     a = (1 - e^(-k T)) / (1 + (d / s)^2),    b = 1 - e^(-q T).
@@ -22,9 +22,9 @@ Array = npt.NDArray[np.float64]
 class Odometry:
     """Gains of the filter."""
 
-    correction: float = 4.0  # k, forward, by wheels that roll [1/s]
-    slip: float = 0.3  # s, difference from which the wheels are believed less than half [m/s]
-    settling: float = 1.0  # q, sideways [1/s]
+    correction: float = 1.0  # k, forward, by wheels that roll [1/s]
+    slip: float = 0.15  # s, difference from which the wheels are believed less than half [m/s]
+    settling: float = 0.1  # q, sideways [1/s]
 
 
 def velocity(

@@ -1,0 +1,344 @@
+"""Tuning of the local laws: CasADi finds the gains on a planar model, MuJoCo judges them where they were not tuned."""
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from controllers import gains as gain_sets
+from controllers import planar_model, tuning
+from controllers.gains import Gains
+from dynabot_mj import manoeuvres, scene, statistics
+from dynabot_mj.arrays import Array
+from dynabot_mj.errors import InputError
+from dynabot_mj.execution import versions
+from dynabot_mj.experiments.course import TURNING, Course
+from dynabot_mj.experiments.tables import aligned
+from dynabot_mj.experiments.tracking import FIELD, WELL_RADIUS, Tracking, follow
+from dynabot_mj.manoeuvres import Courses, Manoeuvre
+from dynabot_mj.plants.rigid_body import LOCAL_PERIOD, LocalLaws
+from dynabot_mj.statistics import Difference
+
+SteeringTable = Literal["hand_point", "heading"]
+Progress = Callable[[float], None]
+
+COURSES, DURATION = 10, 7.0  # of the tuning, and how long each is [s]
+HELD_OUT = 20  # courses of the validation
+FRICTIONS = (0.3, 0.5, 0.75, 0.9)
+PAYLOADS = (0.0, 4.0)  # [kg]
+PERIODS = (0.010, 0.027, 0.036, 0.156)  # T_c [s]
+_TUNING, _VALIDATION = 0, 1  # purposes of random manoeuvres
+_ITERATIONS = 60
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What to tune."""
+
+    steering: SteeringTable = "hand_point"
+    start: str = "first"  # gain set to start from
+    against: str = "first"  # gain set that the result has to beat
+    conditions: scene.Conditions = scene.NOMINAL
+    period: float = 0.036  # T_c [s]
+    courses: tuple[Manoeuvre, ...] = ()  # none: random ones
+    seed: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Condition:
+    """A condition of the validation, and the mean costs there."""
+
+    friction: float
+    payload_kg: float
+    period_ms: float
+    cost_before: float
+    cost_after: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validation:
+    """The verdict of MuJoCo on courses that the tuning did not use."""
+
+    conditions: tuple[Condition, ...]
+    cost_before: Array  # of each course, averaged over the conditions, (S,) [m^2/s^2]
+    cost_after: Array  # (S,)
+    improvement: Difference  # of the two
+
+    @property
+    def better(self) -> bool:
+        """Whether the costs fell for certain: the interval of the improvement is above zero."""
+        return self.improvement.low is not None and self.improvement.low > 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """A tuning and its validation."""
+
+    request: Request
+    courses: Courses
+    solution: tuning.Solution
+    validation: Validation
+    before: Tracking  # on the courses of the tuning, with the gains to beat
+    after: Tracking
+
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """How the gains were found, for the gain file."""
+        solution, improvement = self.solution, self.validation.improvement
+        return {
+            "steering": self.request.steering,
+            "start": self.request.start,
+            "against": self.request.against,
+            "seed": self.request.seed,
+            "period_s": self.request.period,
+            "model": self.request.conditions.model,
+            "payload_kg": self.request.conditions.payload,
+            "friction": scene.read_robot(self.request.conditions).vehicle.friction,
+            "courses": "given" if self.request.courses else "random",
+            "versions": versions(),
+            "iterations": solution.iterations,
+            "status": solution.status,
+            "cost_before": solution.cost_before,
+            "cost_after": solution.cost_after,
+            "validation_cost_before": float(self.validation.cost_before.mean()),
+            "validation_cost_after": float(self.validation.cost_after.mean()),
+            "validation_improvement": [improvement.low, improvement.high],
+            "adopted": self.validation.better,
+        }
+
+
+def run(request: Request, progress: Progress = lambda share: None) -> Result:
+    """Tunes, and validates.
+
+    Args:
+        request: What for.
+        progress: Told the share of the work that is done.
+
+    Raises:
+        InputError: If there is no such model or gain set, or a value is not allowed.
+    """
+    start, against = _gains(request.start), _gains(request.against)
+    given = list(request.courses) or manoeuvres.random(request.seed, COURSES, _TUNING)
+    courses = manoeuvres.sampled(given, DURATION, request.period)
+    task = problem(request, courses)
+    solution = tuning.tune(
+        task, start, lambda iteration, cost: progress(0.6 * min(1.0, iteration / _ITERATIONS)), _ITERATIONS
+    )
+    validation = validate(request, against, solution.gains, lambda share: progress(0.6 + 0.4 * share))
+    before, after = (follow(courses, laws(one, request), request.conditions) for one in (against, solution.gains))
+    return Result(
+        request=request, courses=courses, solution=solution, validation=validation, before=before, after=after
+    )
+
+
+def problem(request: Request, courses: Courses) -> tuning.Problem:
+    """Returns the optimal control problem of courses.
+
+    Raises:
+        InputError: If the period is not positive.
+    """
+    if not 1e-3 <= request.period <= 1.0:
+        raise InputError(f"a period of {request.period:g} s given, it must be 0.001 to 1 s")
+    return tuning.Problem(
+        vehicle=scene.read_robot(request.conditions).vehicle,
+        dissipation=FIELD.dissipation,
+        well_radius=WELL_RADIUS,
+        well_width=FIELD.width,
+        spacing=FIELD.spacing,
+        force_w=courses.force_w,
+        well_gain=courses.gain,
+        neighbour_gain=courses.neighbour_gain,
+        neighbour_w=courses.neighbour_w,
+        start_w=courses.start_w,
+        period=request.period,
+        local_periods=math.ceil(request.period / LOCAL_PERIOD - 1e-9),
+        steering=request.steering,
+    )
+
+
+def laws(gains: Gains, request: Request) -> LocalLaws:
+    """Returns the local laws with a gain set."""
+    return LocalLaws(steering=getattr(gains, request.steering), traction=gains.traction)
+
+
+def validate(request: Request, before: Gains, after: Gains, progress: Progress = lambda share: None) -> Validation:
+    """Judges two gain sets in MuJoCo on courses that the tuning did not use, over friction, payload and period.
+
+    A course's cost is averaged over the conditions, and the courses are the sample of the interval: conditions of one
+    course are not independent.
+    """
+    held_out = manoeuvres.random(request.seed, HELD_OUT, _VALIDATION)
+    weight = tuning.Weights().position
+    frictions = sorted({*FRICTIONS, scene.read_robot(request.conditions).vehicle.friction})
+    payloads = sorted({*PAYLOADS, request.conditions.payload})
+    periods = sorted({*PERIODS, request.period})
+    found, costs = [], []
+    for done, (payload, period) in enumerate(itertools.product(payloads, periods)):
+        progress(done / (len(payloads) * len(periods)))
+        courses = manoeuvres.sampled(held_out, DURATION, period)
+        conditions = replace(request.conditions, payload=payload, friction=None)
+        # All frictions at once: the courses repeated for each.
+        repeated, friction = _repeated(courses, len(frictions)), np.repeat(frictions, HELD_OUT)
+        pair = np.stack(
+            [
+                follow(repeated, laws(one, request), conditions, friction).cost(weight).reshape(len(frictions), -1)
+                for one in (before, after)
+            ]
+        )
+        costs.append(pair)
+        for index, value in enumerate(frictions):
+            found.append(
+                Condition(
+                    friction=value,
+                    payload_kg=payload,
+                    period_ms=1e3 * period,
+                    cost_before=float(pair[0, index].mean()),
+                    cost_after=float(pair[1, index].mean()),
+                )
+            )
+    cost_before, cost_after = np.concatenate(costs, axis=1).mean(axis=1)
+    return Validation(
+        conditions=tuple(found),
+        cost_before=cost_before,
+        cost_after=cost_after,
+        improvement=statistics.paired_difference(cost_before, cost_after, request.seed),
+    )
+
+
+def document(result: Result) -> dict[str, Any]:
+    """Returns the JSON document of the tuning."""
+    return {
+        "provenance": result.provenance,
+        "converged": result.solution.converged,
+        "gains": asdict(result.solution.gains),
+        "history": result.solution.history,
+        "validation": {
+            "conditions": [asdict(one) for one in result.validation.conditions],
+            "improvement": asdict(result.validation.improvement),
+        },
+    }
+
+
+def markdown(result: Result) -> str:
+    """Returns the tuning as tables."""
+    request, solution, validation = result.request, result.solution, result.validation
+    old, new = _gains(request.against), solution.gains
+    table = [
+        [name, f"{_value(old, request, name):.4g}", f"{_value(new, request, name):.4g}", f"{low:g} to {high:g}"]
+        for name, (low, high) in ((name, tuning.BOUNDS[name]) for name in tuning.free(request.steering))
+    ]
+    body = [
+        [f"{one.friction:g}", f"{one.payload_kg:g}", f"{one.period_ms:g}", *_costs(one.cost_before, one.cost_after)]
+        for one in validation.conditions
+    ]
+    gain = validation.improvement
+    verdict = "better: adopted" if validation.better else f"not better than {request.against}: not adopted"
+    lines = [
+        f"# Tuning of {request.steering}, from {request.start}, seed {request.seed}, T_c = {1e3 * request.period:g} ms",
+        "",
+        f"IPOPT: {solution.status}, {solution.iterations} iterations; cost in the planar model "
+        f"{solution.cost_before:.4f} -> {solution.cost_after:.4f} m^2/s^2",
+        "",
+        *aligned(["gain", request.against, "tuned", "bounds"], table),
+        "",
+        f"## Validation in MuJoCo, on {len(validation.cost_before)} courses that the tuning did not use",
+        "",
+        *aligned(["friction", "payload [kg]", "T_c [ms]", f"cost, {request.against}", "cost, tuned", "change"], body),
+        "",
+        f"Mean cost {validation.cost_before.mean():.4f} -> {validation.cost_after.mean():.4f} m^2/s^2, improvement "
+        f"{gain.difference:.4f} [{gain.low:.4f}, {gain.high:.4f}], paired over courses, 95 %: {verdict}.",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parity:
+    """The design model beside MuJoCo under the same motor commands, manoeuvre after manoeuvre."""
+
+    names: tuple[str, ...]  # of the manoeuvres
+    end: Array  # of each manoeuvre on the common time axis [s]
+    time: Array  # (K,) [s]
+    signals: tuple[str, ...]  # with their units
+    mujoco: Array  # (K, signals)
+    planar: Array  # (K, signals)
+
+    @property
+    def error(self) -> Array:
+        """RMS difference of each signal by its range in MuJoCo, (signals,)."""
+        rms = np.sqrt(((self.mujoco - self.planar) ** 2).mean(axis=0))
+        return rms / np.ptp(self.mujoco, axis=0)
+
+
+def parity(conditions: scene.Conditions = scene.NOMINAL) -> Parity:
+    """Drives the acceptance course with both models.
+
+    Args:
+        conditions: Which robot, its payload and the friction.
+    """
+    step = 0.005
+    course, vehicle = Course(conditions, step), scene.read_robot(conditions).vehicle
+    drives: dict[str, tuple[float, float, Array, float]] = {
+        "launch": (4.0, 0.0, np.full(4, 200.0), 2.0),
+        "brake": (1.5, 5.0, np.zeros(4), 0.0),
+        "turn left": (1.5, 0.0, 20.0 * TURNING, 0.0),
+        "turn right": (1.5, 0.0, -40.0 * TURNING, 0.0),
+    }
+    for speed, difference in ((2.0, 10.0), (3.0, 10.0), (4.0, 10.0), (2.0, 20.0)):
+        command = speed / vehicle.wheel_radius + difference / 2.0 * TURNING
+        drives[f"corner {speed:g} m/s, {difference:g} rad/s"] = (3.0, speed, command, 0.0)
+    ours, theirs, end = [], [], []
+    for duration, speed, command, torque in drives.values():
+        trace = course.run(duration, command, torque, motion=(speed, 0.0, 0.0))
+        start = np.array([0.0, 0.0, 0.0, speed, 0.0, 0.0, *[speed / vehicle.wheel_radius] * 4])
+        count = len(trace.time)
+        states = planar_model.simulate(start, np.tile(command, (count, 1)), np.full((count, 4), torque), step, vehicle)
+        states = np.vstack([start, states[:-1]])  # the trace has the states at the beginning of each step
+        left, right = states[:, 6:10:2].mean(axis=-1), states[:, 7:10:2].mean(axis=-1)
+        ours.append(np.column_stack([states[:, 3:6], left, right]))
+        wheels = trace.wheel_speed[:, 0]
+        yaw = np.column_stack([trace.yaw_rate[:, 0], wheels[:, ::2].mean(axis=-1), wheels[:, 1::2].mean(axis=-1)])
+        theirs.append(np.column_stack([trace.velocity_b[:, 0], yaw]))
+        end.append((end[-1] if end else 0.0) + duration)
+    total = sum(map(len, ours))
+    return Parity(
+        names=tuple(drives),
+        end=np.array(end),
+        time=step * np.arange(total, dtype=np.float64),
+        signals=("speed [m/s]", "side speed [m/s]", "yaw rate [rad/s]", "left wheels [rad/s]", "right wheels [rad/s]"),
+        mujoco=np.concatenate(theirs),
+        planar=np.concatenate(ours),
+    )
+
+
+def _gains(name: str) -> Gains:
+    try:
+        return gain_sets.load(name)
+    except (FileNotFoundError, ValueError) as error:
+        raise InputError(str(error)) from error
+
+
+def _value(gains: Gains, request: Request, name: str) -> float:
+    return float({**asdict(getattr(gains, request.steering)), **asdict(gains.traction)}[name])
+
+
+def _costs(before: float, after: float) -> Sequence[str]:
+    return f"{before:.4f}", f"{after:.4f}", f"{100.0 * (after / before - 1.0):+.0f} %"
+
+
+def _repeated(courses: Courses, times: int) -> Courses:
+    """Returns courses repeated as a whole."""
+
+    def tiled(array: Array) -> Array:
+        return np.tile(array, (times, *[1] * (array.ndim - 1)))
+
+    return Courses(
+        force_w=tiled(courses.force_w),
+        gain=tiled(courses.gain),
+        neighbour_gain=tiled(courses.neighbour_gain),
+        neighbour_w=tiled(courses.neighbour_w),
+        start_w=tiled(courses.start_w),
+        period=courses.period,
+    )
