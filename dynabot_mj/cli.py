@@ -35,6 +35,7 @@ class _Parser(argparse.ArgumentParser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command and returns its exit code."""
+    options = argparse.Namespace()
     try:
         options = _parser().parse_args(arguments)
         for name in ("workers", "threads"):
@@ -46,7 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"dynabot: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("dynabot: interrupted; --resume continues from what was finished", file=sys.stderr)
+        resumes = hasattr(options, "resume")
+        print("dynabot: interrupted" + "; --resume continues from what was finished" * resumes, file=sys.stderr)
         return 1
     except BrokenPipeError:
         # Whoever read our output has gone, e.g. `dynabot compare | head`.
@@ -125,18 +127,12 @@ def schedule(options: argparse.Namespace) -> None:
 
 def drive(options: argparse.Namespace) -> None:
     """Acceptance drive of the rigid robot, its motors commanded directly."""
-    from dynabot_mj import scene, vehicle_figures
+    from dynabot_mj import vehicle_figures
     from dynabot_mj.experiments import drive as experiment
     from dynabot_mj.experiments import drive_report
     from dynabot_mj.figures import save
 
-    if options.friction is not None and not 0.05 <= options.friction <= 1.5:
-        raise InputError(f"--friction {options.friction:g} given, allowed are 0.05 to 1.5")
-    if not 0.0 <= options.payload <= drive_report.HEAVIEST_PAYLOAD:
-        allowed = f"0 to {drive_report.HEAVIEST_PAYLOAD:g} kg"
-        raise InputError(f"--payload {options.payload:g} given, allowed are {allowed}")
-    conditions = scene.Conditions(model=options.model, payload=options.payload, friction=options.friction)
-    scene.read_robot(conditions)
+    conditions = _conditions(options)
     folder = options.out or Path("out/drive")
     files.require_writable(folder)
     report = experiment.drive(conditions)
@@ -150,6 +146,79 @@ def drive(options: argparse.Namespace) -> None:
         (stage / "drive.md").write_text(text, encoding="utf-8")
         save(vehicle_figures.acceptance_drive(report), stage / "drive.png")
     _print(options, document, f"{text}\nresults in {folder}")
+
+
+def tune(options: argparse.Namespace) -> None:
+    """Tunes the local laws with CasADi, and judges the result in MuJoCo on courses that it was not tuned on."""
+    from controllers import gains as gain_sets
+    from dynabot_mj import manoeuvres, progress, tracking_figures
+    from dynabot_mj.experiments import tune_traction as experiment
+    from dynabot_mj.figures import save
+
+    folder = options.out or Path("out/tune-traction")
+    request = experiment.Request(
+        steering="heading" if options.steering == "heading" else "hand_point",
+        start=options.start,
+        against=options.against,
+        conditions=_conditions(options),
+        period=options.period,
+        courses=tuple(manoeuvres.load(options.scenario)) if options.scenario else (),
+        seed=options.seed,
+    )
+    experiment.check(request)
+    files.require_writable(folder)
+    with progress.shown("tune") as tell:
+        result = experiment.run(request, tell)
+    parity = experiment.parity(request.conditions)
+    document, text = experiment.document(result, parity), experiment.markdown(result, parity)
+    with files.staged(folder) as stage:
+        name = "gains.toml" if result.validation.better else "not_adopted.toml"
+        (stage / name).write_text(gain_sets.dump(result.solution.gains, result.provenance), encoding="utf-8")
+        (stage / "tuning.json").write_text(_json(document), encoding="utf-8")
+        (stage / "tuning.md").write_text(text, encoding="utf-8")
+        save(tracking_figures.tuning(result), stage / "tuning.png")
+        save(tracking_figures.parity(parity), stage / "parity.png")
+    _print(options, document, f"{text}\nresults in {folder}; the gains are {folder / name}")
+
+
+def track(options: argparse.Namespace) -> None:
+    """How well vehicles imitate particles, for each steering law and gain set."""
+    from dynabot_mj import progress, tracking_figures
+    from dynabot_mj.experiments import track as experiment
+    from dynabot_mj.figures import save
+
+    if options.trials < 1:
+        raise InputError(f"--trials {options.trials} given, it must be at least 1")
+    _require_seed(options.seed)
+    folder = options.out or Path("out/track")
+    files.require_writable(folder)
+    with progress.shown("track") as tell:
+        report = experiment.run(options.seed, options.trials, options.workers, tell)
+    document, text = experiment.document(report), experiment.markdown(report)
+    with files.staged(folder) as stage:
+        (stage / "tracking.json").write_text(_json(document), encoding="utf-8")
+        (stage / "tracking.md").write_text(text, encoding="utf-8")
+        save(tracking_figures.tracking(report), stage / "tracking.png")
+    _print(options, document, f"{text}\nresults in {folder}")
+
+
+def _conditions(options: argparse.Namespace) -> Any:
+    """Returns which vehicle drives on what ground."""
+    from dynabot_mj import scene
+    from dynabot_mj.experiments import drive_report
+
+    if options.friction is not None and not 0.05 <= options.friction <= 1.5:
+        raise InputError(f"--friction {options.friction:g} given, allowed are 0.05 to 1.5")
+    if not 0.0 <= options.payload <= drive_report.HEAVIEST_PAYLOAD:
+        raise InputError(f"--payload {options.payload:g} given, allowed are 0 to {drive_report.HEAVIEST_PAYLOAD:g} kg")
+    conditions = scene.Conditions(model=options.model, payload=options.payload, friction=options.friction)
+    scene.read_robot(conditions)
+    return conditions
+
+
+def _require_seed(seed: int) -> None:
+    if seed < 0:
+        raise InputError(f"--seed {seed} given, it must not be negative")
 
 
 def _folder(text: str) -> Path:
@@ -226,13 +295,36 @@ def _parser() -> _Parser:
     )
     command.set_defaults(function=run)
 
-    command = commands.add_parser("drive", parents=[shared], help=drive.__doc__, description=drive.__doc__)
-    command.add_argument("--model", default="dynabot", metavar="FILE.xml", help="another robot's MJCF, same names")
-    command.add_argument("--friction", type=float, metavar="MU", help="of tyres and ground (default the model's)")
-    command.add_argument("--payload", type=float, default=0.0, metavar="KG", help="mass on the robot's top (default 0)")
+    vehicle = _Parser(add_help=False, parents=[shared])
+    vehicle.add_argument("--model", default="dynabot", metavar="FILE.xml", help="another robot's MJCF, same names")
+    vehicle.add_argument("--friction", type=float, metavar="MU", help="of tyres and ground (default the model's)")
+    vehicle.add_argument("--payload", type=float, default=0.0, metavar="KG", help="mass on the robot's top (default 0)")
+    vehicle.add_argument("--out", type=_folder, metavar="DIR", help="folder of the results (default out/COMMAND)")
+
+    command = commands.add_parser("drive", parents=[vehicle], help=drive.__doc__, description=drive.__doc__)
     command.add_argument("--step-sizes", action="store_true", help="repeat it for physics steps from 0.5 to 8 ms too")
-    command.add_argument("--out", type=_folder, metavar="DIR", help="folder of the results (default out/drive)")
     command.set_defaults(function=drive)
+
+    command = commands.add_parser("tune", parents=[vehicle], help=tune.__doc__, description=tune.__doc__)
+    command.add_argument("what", choices=["traction"], help="which laws")
+    command.add_argument("--steering", choices=STEERINGS, default="hand-point", help="law (default hand-point)")
+    command.add_argument(
+        "--start", default="first", metavar="SET", help="gain set or file to start from (default first)"
+    )
+    command.add_argument(
+        "--against", default="first", metavar="SET", help="what the result has to beat (default first)"
+    )
+    command.add_argument("--period", type=float, default=0.036, help="control period T_c [s] (default 0.036)")
+    command.add_argument("--scenario", type=Path, metavar="FILE.toml", help="courses to tune on (default random ones)")
+    command.add_argument("--seed", type=int, default=0, help="of the courses (default 0)")
+    command.set_defaults(function=tune)
+
+    command = commands.add_parser("track", parents=[shared], help=track.__doc__, description=track.__doc__)
+    command.add_argument("--trials", type=int, default=100, help="of each formation (default 100)")
+    command.add_argument("--seed", type=int, default=0, help="of all random numbers (default 0)")
+    command.add_argument("--workers", type=int, default=_cores(), help="processes (default: all cores)")
+    command.add_argument("--out", type=_folder, metavar="DIR", help="folder of the results (default out/track)")
+    command.set_defaults(function=track)
 
     command = commands.add_parser("schedule", parents=[shared], help=schedule.__doc__, description=schedule.__doc__)
     command.add_argument("--robots", type=int, default=3, help="number of robots, 2 to 7 (default 3)")
@@ -292,9 +384,9 @@ def _reproduced(options: argparse.Namespace) -> Any:
     if number not in saved.trial.values:
         raise InputError(f"trial {number} given, the study has {saved.trial.values[0]} to {saved.trial.values[-1]}")
     setup = configuration.load(saved.attrs["configuration"], str(path))
-    was = json.loads(saved.attrs["inputs"])
+    was = json.loads(saved.attrs.get("inputs", "{}"))  # older studies do not say
     for name, digest in scenario.inputs(setup).items():
-        if was[name] != digest:
+        if was.get(name) != digest:
             raise InputError(f"the {name} {getattr(setup.vehicle, name)!r} of {path} has changed since that study")
     return scenario.one_trial(setup, label, number)
 

@@ -128,11 +128,10 @@ def check(setup: Scenario) -> None:
         low, high = setup.vehicle.friction
         raise InputError(f"vehicle.friction = {low:g}..{high:g} given, the first must not be above the second")
     rigid_mass = scene.read_robot(conditions(setup)).vehicle.mass
-    if "rigid" in setup.plants:
-        laws(setup)
-        # The same mass, so that the body is all that differs.
-        if abs(mass(setup) - rigid_mass) > 1e-6:
-            raise InputError(
-                f"mass = {setup.mass:g} kg given; with the rigid plant it must be the model's and its payload, "
-                f"{rigid_mass:g} kg"
-            )
+    laws(setup)
+    # The same mass, so that the body is all that differs.
+    if "rigid" in setup.plants and abs(mass(setup) - rigid_mass) > 1e-6:
+        raise InputError(
+            f"mass = {setup.mass:g} kg given; with the rigid plant it must be the model's and its payload, "
+            f"{rigid_mass:g} kg"
+        )

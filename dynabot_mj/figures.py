@@ -33,7 +33,7 @@ PLANT_NAMES = {"particle": "point masses", "rigid": "rigid bodies"}
 
 _PLANT_ALPHA = {"particle": 0.45, "rigid": 1.0}
 
-_STYLE: dict[Any, Any] = {
+STYLE: dict[Any, Any] = {
     "font.size": 10,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -59,7 +59,7 @@ def trajectories(study: xr.Dataset, estimator: str) -> Figure:
     """
     setup = configuration.load(study.attrs["configuration"], "the study's configuration")
     cases = [study.isel(case=i) for i in range(study.sizes["case"]) if study.estimator.values[i] == estimator]
-    with plt.rc_context(_STYLE):
+    with plt.rc_context(STYLE):
         figure, axes = plt.subplots(
             2,
             len(cases),
@@ -96,7 +96,7 @@ def table_iii(study: xr.Dataset) -> Figure:
     """Draws Table III as bars: paper, point masses and rigid bodies of each method, with intervals."""
     rows = compare.rows(study)
     estimators = list(dict.fromkeys(row.estimator for row in rows))
-    with plt.rc_context(_STYLE):
+    with plt.rc_context(STYLE):
         figure, axes = plt.subplots(1, 3, figsize=(11.0, 4.0), layout="constrained")
         for index, estimator in enumerate(estimators):
             of_method = [row for row in rows if row.estimator == estimator]

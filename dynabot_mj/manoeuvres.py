@@ -11,6 +11,7 @@ well            the leader's potential, from some way off, and that of a robot w
 noise           a constant force and white noise, one value per control period
 """
 
+import json
 import math
 import tomllib
 from dataclasses import asdict, replace
@@ -90,7 +91,7 @@ def sampled(manoeuvres: list[Manoeuvre], duration: float, period: float) -> Cour
 
 
 def random(seed: int, count: int, purpose: int) -> list[Manoeuvre]:
-    """Returns manoeuvres of all kinds in turn, of random size and direction.
+    """Returns manoeuvres of all kinds, of random size and direction; half of them are wells.
 
     Args:
         seed: Of the random numbers.
@@ -98,22 +99,13 @@ def random(seed: int, count: int, purpose: int) -> list[Manoeuvre]:
         purpose: Different sets for different purposes, e.g. tuning and validation.
     """
     generator = np.random.default_rng([seed, purpose])
-    found = []
-    for index in range(count):
-        kind = _ORDER[index % len(_ORDER)]
-        found.append(
-            Manoeuvre(
-                kind=kind,
-                force=float(generator.uniform(5.0, 15.0) if kind == "noise" else generator.uniform(10.0, 45.0)),
-                direction=float(generator.uniform(-math.pi, math.pi)),
-                frequency=float(generator.uniform(0.1, 0.4)),
-                gain=float(generator.uniform(300.0, 650.0)),
-                distance=float(generator.uniform(7.0, 11.0)),
-                neighbour=float(generator.uniform(-1.5, 1.5)),
-                seed=int(generator.integers(2**31)),
-            )
-        )
-    return found
+    return [_drawn(_ORDER[index % len(_ORDER)], generator) for index in range(count)]
+
+
+def of_each_kind(seed: int, count: int, purpose: int) -> list[Manoeuvre]:
+    """Returns `count` manoeuvres of the first kind, then as many of the next; see `random`."""
+    generator = np.random.default_rng([seed, purpose])
+    return [_drawn(kind, generator) for kind in KINDS for _ in range(count)]
 
 
 def load(path: Path) -> list[Manoeuvre]:
@@ -124,9 +116,12 @@ def load(path: Path) -> list[Manoeuvre]:
     """
     try:
         tree = tomllib.loads(path.read_text(encoding="utf-8"))
-        if set(tree) != {"manoeuvre"} or not tree["manoeuvre"]:
+        tables = tree.get("manoeuvre")
+        tables_only = isinstance(tables, list) and all(isinstance(one, dict) for one in tables)
+        if len(tree) != 1 or not tables or not tables_only:
             raise InputError(f"{path}: it must have tables [[manoeuvre]], and nothing else")
-        return [TypeAdapter(Manoeuvre).validate_python(one) for one in tree["manoeuvre"]]
+        # From JSON, since strict validation refuses plain dicts for dataclasses.
+        return [TypeAdapter(Manoeuvre).validate_json(json.dumps(one, default=str)) for one in tables]
     except ValidationError as error:
         allowed = ", ".join(asdict(Manoeuvre(kind="step")))
         raise InputError(f"{path}: {one_line(error)} (the keys are {allowed})") from error
@@ -148,6 +143,19 @@ def field_force(position_w: Array, courses: Courses, radius: float, width: float
     neighbour = replace(leader, radius=spacing)
     of_leader = courses.gain[:, None] * attraction(position_w, leader)
     return of_leader + courses.neighbour_gain[:, None] * attraction(position_w - courses.neighbour_w, neighbour)
+
+
+def _drawn(kind: Kind, generator: np.random.Generator) -> Manoeuvre:
+    return Manoeuvre(
+        kind=kind,
+        force=float(generator.uniform(5.0, 15.0) if kind == "noise" else generator.uniform(10.0, 45.0)),
+        direction=float(generator.uniform(-math.pi, math.pi)),
+        frequency=float(generator.uniform(0.1, 0.4)),
+        gain=float(generator.uniform(300.0, 650.0)),
+        distance=float(generator.uniform(7.0, 11.0)),
+        neighbour=float(generator.uniform(-1.5, 1.5)),
+        seed=int(generator.integers(2**31)),
+    )
 
 
 def _unit(angle: float) -> Array:

@@ -101,11 +101,11 @@ def simulate(
     if phase is None:
         phase = np.zeros(setup.robots, dtype=np.int64)
     clocks = Clocks(sample_ticks=sample_ticks, control_ticks=control_ticks, phase=phase)
-    plant = _plant(setup, case, position_w, heading, trials, threads)
+    plant = make_plant(setup, case, position_w, heading, trials, threads)
     perception = _perception(setup, case, sample_ticks * tick, trials)
     radio = Radio(scenario.link(setup, case.estimator), setup.robots, setup.seed, trials)
     field = scenario.field(setup, case.estimator)
-    scorer = Scorer(_formation(setup, case, field), LEADER_W, plant.state, duration_ticks * tick)
+    scorer = Scorer(make_formation(setup, case, field), LEADER_W, plant.state, duration_ticks * tick)
     recorder = _Recorder(plant.state, recorded, duration_ticks * tick)
     belief = Belief(position_w=position_w, velocity_w=np.zeros_like(position_w))
     force_w = np.zeros_like(position_w)
@@ -170,9 +170,10 @@ def starts(setup: Scenario, trials: Sequence[int]) -> tuple[Array, Array]:
     return position_w, (2.0 * uniform - 1.0) * np.pi
 
 
-def _plant(
-    setup: Scenario, case: Case, position_w: Array, heading: Array, trials: Sequence[int], threads: int
+def make_plant(
+    setup: Scenario, case: Case, position_w: Array, heading: Array, trials: Sequence[int], threads: int = 1
 ) -> Plant:
+    """Builds the robots of some trials of a case; see `starts` for their places and headings."""
     match case.plant:
         case "particle":
             return ParticlePlant(scenario.mass(setup), position_w, heading)
@@ -202,7 +203,8 @@ def _perception(setup: Scenario, case: Case, sample_period: float, trials: Seque
             )
 
 
-def _formation(setup: Scenario, case: Case, field: potential_field.PotentialField) -> Formation:
+def make_formation(setup: Scenario, case: Case, field: potential_field.PotentialField) -> Formation:
+    """Builds what the trials of a case are judged against."""
     vehicle = scene.read_robot(scenario.conditions(setup)).vehicle
     return Formation(
         well_radius=field.leader.radius,

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dynabot_mj.experiments.drive import SLIDES, SPUN_OUT, Report
-from dynabot_mj.figures import _STYLE, ROBOT_COLOURS
+from dynabot_mj.figures import ROBOT_COLOURS, STYLE
 
 PAPER_SPEED = 10.0  # top speed [m/s], Sec. II
 _MARKERS = ("o", "s", "^", "D")
@@ -26,7 +26,7 @@ def acceptance_drive(report: Report) -> Figure:
         The figure; SI units, degrees and centimetres as the axes say.
     """
     figures = report.figures
-    with plt.rc_context(_STYLE):
+    with plt.rc_context(STYLE):
         figure, axes = plt.subplots(2, 4, figsize=(16.0, 7.4), layout="constrained")
         _draw_launch(axes[0, 0], report)
         _draw_motor(axes[0, 1], report)

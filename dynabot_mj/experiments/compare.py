@@ -12,6 +12,7 @@ from typing import Any
 import xarray as xr
 
 from dynabot_mj import statistics
+from dynabot_mj.experiments import tables
 from dynabot_mj.statistics import Mean, Rate
 from dynabot_mj.testbed import ROBOTS, TABLE_III, TableIIIRow
 
@@ -142,7 +143,7 @@ def markdown(study: xr.Dataset) -> str:
     lines = [
         f"# Formation of {robots} robots, {count} of {duration:g} s, seed {study.attrs['seed']}",
         "",
-        *_aligned(_header(), _body(summary, robots)),
+        *tables.aligned(_header(), _body(summary, robots)),
         "",
         "Rates in % with 95 % Wilson intervals; settling as mean ± sd over the n trials that neither collided nor",
         "stayed unsettled. Hulls: footprints overlap; contact: a hull came within 2 cm of another. Band 1 m: the",
@@ -153,7 +154,7 @@ def markdown(study: xr.Dataset) -> str:
             "",
             "## Particle minus rigid body, on the same trials",
             "",
-            *_aligned(["estimator", *_DIFFERENCE_HEADER.values()], _difference_body(differences)),
+            *tables.aligned(["estimator", *_DIFFERENCE_HEADER.values()], _difference_body(differences)),
             "",
             "Mean paired differences with 95 % bootstrap intervals; rates in percentage points. Settling (n): over the",
             "n trials that settled without a collision on both plants, which the outcome selects. An interval of no",
@@ -257,13 +258,3 @@ def _difference(value: Paired) -> str:
     if value.metric == "settling_s":
         text += f" ({value.n})"
     return text
-
-
-def _aligned(header: Sequence[str], body: Sequence[Sequence[str]]) -> list[str]:
-    """Returns a Markdown table whose columns line up in plain text too."""
-    widths = [max(len(cell) for cell in column) for column in zip(header, *body, strict=True)]
-
-    def line(cells: Sequence[str]) -> str:
-        return "| " + " | ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True)) + " |"
-
-    return [line(header), "|" + "|".join("-" * (width + 2) for width in widths) + "|", *map(line, body)]

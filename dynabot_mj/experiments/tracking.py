@@ -25,6 +25,10 @@ class Motion:
     position_w: Array  # (S, K, 2) [m]
     velocity_w: Array  # (S, K, 2) [m/s]
 
+    def part(self, courses: slice) -> "Motion":
+        """Returns some of the courses."""
+        return Motion(time=self.time, position_w=self.position_w[courses], velocity_w=self.velocity_w[courses])
+
 
 @dataclass(frozen=True, kw_only=True)
 class Tracking:
@@ -43,6 +47,14 @@ class Tracking:
     def position_error(self) -> Array:
         """RMS of each course, (S,) [m]."""
         return _rms(self.vehicle.position_w - self.particle.position_w)
+
+    def part(self, courses: slice) -> "Tracking":
+        """Returns some of the courses."""
+        return Tracking(
+            vehicle=self.vehicle.part(courses),
+            particle=self.particle.part(courses),
+            wheel_slip=self.wheel_slip[courses],
+        )
 
     def cost(self, position_weight: float) -> Array:
         """Returns the tuning's cost of each course without its soft limits, (S,) [m^2/s^2]."""
@@ -66,9 +78,7 @@ def follow(
     start, heading = courses.start_w[:, None], np.zeros((len(courses.start_w), 1))
     vehicle = RigidBodyPlant(start, heading, laws, conditions=conditions, friction=friction)
     particle = ParticlePlant(scene.read_robot(conditions).vehicle.mass, start, heading)
-    return Tracking(
-        vehicle=_drive(vehicle, courses), particle=_drive(particle, courses), wheel_slip=vehicle.wheel_slip
-    )
+    return Tracking(vehicle=_drive(vehicle, courses), particle=_drive(particle, courses), wheel_slip=vehicle.wheel_slip)
 
 
 def _drive(plant: Plant, courses: Courses) -> Motion:

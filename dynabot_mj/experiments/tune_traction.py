@@ -110,6 +110,24 @@ class Result:
         }
 
 
+@dataclass(frozen=True, kw_only=True)
+class Parity:
+    """The design model beside MuJoCo under the same motor commands, manoeuvre after manoeuvre."""
+
+    names: tuple[str, ...]  # of the manoeuvres
+    end: Array  # of each manoeuvre on the common time axis [s]
+    time: Array  # (K,) [s]
+    signals: tuple[str, ...]  # with their units
+    mujoco: Array  # (K, signals)
+    planar: Array  # (K, signals)
+
+    @property
+    def error(self) -> Array:
+        """RMS difference of each signal by its range in MuJoCo, (signals,)."""
+        rms = np.sqrt(((self.mujoco - self.planar) ** 2).mean(axis=0))
+        return rms / np.ptp(self.mujoco, axis=0)
+
+
 def run(request: Request, progress: Progress = lambda share: None) -> Result:
     """Tunes, and validates.
 
@@ -120,6 +138,7 @@ def run(request: Request, progress: Progress = lambda share: None) -> Result:
     Raises:
         InputError: If there is no such model or gain set, or a value is not allowed.
     """
+    check(request)
     start, against = _gains(request.start), _gains(request.against)
     given = list(request.courses) or manoeuvres.random(request.seed, COURSES, _TUNING)
     courses = manoeuvres.sampled(given, DURATION, request.period)
@@ -134,14 +153,23 @@ def run(request: Request, progress: Progress = lambda share: None) -> Result:
     )
 
 
-def problem(request: Request, courses: Courses) -> tuning.Problem:
-    """Returns the optimal control problem of courses.
+def check(request: Request) -> None:
+    """Checks a request before any work.
 
     Raises:
-        InputError: If the period is not positive.
+        InputError: If a value is not allowed, or there is no such model or gain set.
     """
-    if not 1e-3 <= request.period <= 1.0:
-        raise InputError(f"a period of {request.period:g} s given, it must be 0.001 to 1 s")
+    if not 0.005 <= request.period <= 0.5:
+        raise InputError(f"a period of {request.period:g} s given, it must be 0.005 to 0.5 s")
+    if request.seed < 0:
+        raise InputError(f"seed {request.seed} given, it must not be negative")
+    for name in (request.start, request.against):
+        _gains(name)
+    scene.read_robot(request.conditions)
+
+
+def problem(request: Request, courses: Courses) -> tuning.Problem:
+    """Returns the optimal control problem of courses."""
     return tuning.Problem(
         vehicle=scene.read_robot(request.conditions).vehicle,
         dissipation=FIELD.dissipation,
@@ -208,13 +236,14 @@ def validate(request: Request, before: Gains, after: Gains, progress: Progress =
     )
 
 
-def document(result: Result) -> dict[str, Any]:
+def document(result: Result, models: Parity) -> dict[str, Any]:
     """Returns the JSON document of the tuning."""
     return {
         "provenance": result.provenance,
         "converged": result.solution.converged,
         "gains": asdict(result.solution.gains),
         "history": result.solution.history,
+        "parity_rms_by_range": dict(zip(models.signals, models.error.tolist(), strict=True)),
         "validation": {
             "conditions": [asdict(one) for one in result.validation.conditions],
             "improvement": asdict(result.validation.improvement),
@@ -222,7 +251,7 @@ def document(result: Result) -> dict[str, Any]:
     }
 
 
-def markdown(result: Result) -> str:
+def markdown(result: Result, models: Parity) -> str:
     """Returns the tuning as tables."""
     request, solution, validation = result.request, result.solution, result.validation
     old, new = _gains(request.against), solution.gains
@@ -250,26 +279,11 @@ def markdown(result: Result) -> str:
         "",
         f"Mean cost {validation.cost_before.mean():.4f} -> {validation.cost_after.mean():.4f} m^2/s^2, improvement "
         f"{gain.difference:.4f} [{gain.low:.4f}, {gain.high:.4f}], paired over courses, 95 %: {verdict}.",
+        "",
+        "RMS difference of planar model and MuJoCo on the acceptance course, in % of each signal's range: "
+        + ", ".join(f"{name} {100.0 * one:.1f}" for name, one in zip(models.signals, models.error, strict=True)),
     ]
     return "\n".join(lines) + "\n"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Parity:
-    """The design model beside MuJoCo under the same motor commands, manoeuvre after manoeuvre."""
-
-    names: tuple[str, ...]  # of the manoeuvres
-    end: Array  # of each manoeuvre on the common time axis [s]
-    time: Array  # (K,) [s]
-    signals: tuple[str, ...]  # with their units
-    mujoco: Array  # (K, signals)
-    planar: Array  # (K, signals)
-
-    @property
-    def error(self) -> Array:
-        """RMS difference of each signal by its range in MuJoCo, (signals,)."""
-        rms = np.sqrt(((self.mujoco - self.planar) ** 2).mean(axis=0))
-        return rms / np.ptp(self.mujoco, axis=0)
 
 
 def parity(conditions: scene.Conditions = scene.NOMINAL) -> Parity:
@@ -289,7 +303,9 @@ def parity(conditions: scene.Conditions = scene.NOMINAL) -> Parity:
     for speed, difference in ((2.0, 10.0), (3.0, 10.0), (4.0, 10.0), (2.0, 20.0)):
         command = speed / vehicle.wheel_radius + difference / 2.0 * TURNING
         drives[f"corner {speed:g} m/s, {difference:g} rad/s"] = (3.0, speed, command, 0.0)
-    ours, theirs, end = [], [], []
+    ours: list[Array] = []
+    theirs: list[Array] = []
+    end: list[float] = []
     for duration, speed, command, torque in drives.values():
         trace = course.run(duration, command, torque, motion=(speed, 0.0, 0.0))
         start = np.array([0.0, 0.0, 0.0, speed, 0.0, 0.0, *[speed / vehicle.wheel_radius] * 4])
