@@ -104,7 +104,7 @@ def advance(
     period: float,
     gains: PointMass,
 ) -> tuple[Reference, Array]:
-    """Advances the reference over a period, exactly for a held force and motion but for the bound of the lag.
+    """Advances the reference over a period of held force and motion: its velocity exactly, the lag to first order.
 
     Args:
         reference: Before.

@@ -153,10 +153,13 @@ def tune(
     best = watch.best if watch.lowest <= float(result["f"]) else np.array(result["x"]).ravel()
     found = low + (high - low) * best
     stats = solver.stats()
+    before, after = float(casadi.sumsqr(_residual(problem, start)(first))), min(watch.lowest, float(result["f"]))
+    # A start outside the bounds may be better than all within them.
+    tuned = _with(start, problem.steering, dict(zip(names, found.tolist(), strict=True))) if after < before else start
     return Solution(
-        gains=_with(start, problem.steering, dict(zip(names, found.tolist(), strict=True))),
-        cost_before=float(casadi.sumsqr(_residual(problem, start)(first))),
-        cost_after=min(watch.lowest, float(result["f"])),
+        gains=tuned,
+        cost_before=before,
+        cost_after=min(before, after),
         iterations=int(stats["iter_count"]),
         converged=bool(stats["success"]),
         status=str(stats["return_status"]),

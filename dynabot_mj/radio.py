@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.errors import OutOfFittedRangeError
@@ -27,7 +27,7 @@ from dynabot_mj.testbed import RADIO_MAX_BYTES, RADIO_MAX_ROBOTS, RADIO_TICK
 @functools.cache
 def _poisson_distribution(mean: float) -> Array:
     """Returns P(k <= 0), P(k <= 1), ... up to where it rounds to one, so that it inverts every double below one."""
-    cumulative = stats.poisson.cdf(np.arange(int(mean + 12.0 * math.sqrt(mean)) + 40), mean)
+    cumulative = special.pdtr(np.arange(int(mean + 12.0 * math.sqrt(mean)) + 40), mean)
     return np.append(cumulative[cumulative < 1.0], 1.0)
 
 

@@ -163,8 +163,11 @@ def _load(model: str) -> mujoco.MjSpec:
         for name in needed:
             if name not in names:
                 raise InputError(f"the model {model} has no {kind} named {name!r}; it needs {', '.join(needed)}")
-        if kind == "joint" and names != needed:
-            raise InputError(f"the model {model} has the joints {', '.join(names)}; it needs {', '.join(needed)}")
+        # Coordinates and controls are read and written by their places.
+        if kind != "geom" and names != needed:
+            raise InputError(
+                f"the model {model} has the {kind}s {', '.join(names)}; it needs {', '.join(needed)}, in this order"
+            )
     if robot.find_default("tyre") is None:
         raise InputError(f"the model {model} has no default class named 'tyre', whose <pair> is the tyres' contact")
     return robot

@@ -91,5 +91,7 @@ def _table(tree: Mapping[str, Any], name: str, kind: type[_Table], file: Path) -
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if not number or not math.isfinite(value) or value < 0.0 or (value == 0.0 and key not in _MAY_BE_ZERO):
             allowed = "at least 0" if key in _MAY_BE_ZERO else "positive"
-            raise ValueError(f"the gain file {file}: {name}.{key} = {value} given, it must be a finite number and {allowed}")
+            raise ValueError(
+                f"the gain file {file}: {name}.{key} = {value} given, it must be a finite number and {allowed}"
+            )
     return kind(**{key: float(value) for key, value in table.items()})

@@ -6,12 +6,14 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
 
 import dynabot_mj
 import models
+from controllers import gains
 
 COMMAND = Path(sys.executable).parent / "dynabot"
 
@@ -114,6 +116,44 @@ def test_drive_takes_another_ground_load_and_robot(tmp_path):
     assert document["payload_kg"] == 4.0
 
 
+def test_runs_take_another_ground_load_and_laws(tmp_path):
+    options = ["--estimator", "gps", "--duration", 3, "--friction", "0.3..0.9", "--slope", 0.05, "--payload", 2]
+    options += ["--steering", "heading", "--sensing", "truth", "--gains", "first", "--seed", 4, "--trial", 5]
+    one, again = (dynabot("run", *options, "--json", "--out", tmp_path / name) for name in "ab")
+    assert one.returncode == 0, one.stderr
+    assert one.stdout == again.stdout
+    table = tomllib.loads((tmp_path / "a" / "study.toml").read_text())["vehicle"]
+    assert table == {
+        "model": "dynabot", "friction": [0.3, 0.9], "slope": 0.05, "payload": 2.0, "steering": "heading",
+        "sensing": "truth", "gains": "first",
+    }  # fmt: skip
+    # The trial's own friction alone differs in another trial's draw from the same range.
+    options[options.index("0.3..0.9")] = "0.3..0.31"
+    assert dynabot("run", *options, "--json", "--out", tmp_path / "c").stdout != one.stdout
+
+
+def test_a_trial_is_reproduced_only_with_the_gains_of_its_study(tmp_path):
+    gain_file = tmp_path / "mine.toml"
+    text = gains.path("first").read_text(encoding="utf-8")
+    gain_file.write_text(text, encoding="utf-8")
+    options = ["--estimator", "gps", "--duration", 2, "--gains", gain_file]
+    first = dynabot("run", *options, "--json", "--out", tmp_path / "a")
+    assert first.returncode == 0, first.stderr
+    reproduce = ["run", "--reproduce", f"{tmp_path / 'a'}:rigid/gauss-markov/gps:0", "--json", "--out", tmp_path / "b"]
+    assert dynabot(*reproduce).stdout == first.stdout
+    gain_file.write_text(text.replace("hold = 1.5", "hold = 1.6"), encoding="utf-8")
+    done = dynabot(*reproduce)
+    assert done.returncode == 2
+    assert done.stderr.startswith(
+        f"dynabot: the gains '{gain_file}' of {tmp_path / 'a' / 'study.nc'} has changed since"
+    )
+    assert len(done.stderr.splitlines()) == 1
+    gain_file.unlink()
+    done = dynabot(*reproduce)
+    assert done.returncode == 2
+    assert "it must be a gain file or one of" in done.stderr
+
+
 NONSENSE = [
     (["compare", "--robots", "0"], "robots = 0"),
     (["compare", "--robots", "9"], "robots = 9"),
@@ -153,6 +193,14 @@ NONSENSE = [
     (["drive", "--model", "type.toml"], "cannot be read"),
     (["drive", "--slope", "0.1"], "unrecognized arguments: --slope"),
     (["drive", "--out", "unknown.toml/below"], "cannot write to the folder"),
+    (["compare", "--friction", "0.9..0.3"], "vehicle.friction = 0.9..0.3 given, the first must not be above"),
+    (["compare", "--friction", "0.3..x"], "'0.3..x' given, it must be a number such as 0.75 or a range such as"),
+    (["compare", "--slope", "2"], "vehicle.slope = 2"),
+    (["compare", "--payload", "-1"], "vehicle.payload = -1"),
+    (["compare", "--gains", "bogus"], "gains 'bogus' given, it must be a gain file or one of: first, "),
+    (["compare", "--gains", "bogus", "--plants", "particle"], "gains 'bogus' given, it must be a gain file or one of"),
+    (["compare", "--gains", "type.toml"], "the gain file type.toml must have a table hand_point with just these keys"),
+    (["run", "--reproduce", "nothing:rigid/perfect:0", "--friction", "0.5"], "--friction given with --reproduce"),
     ([], "required"),
     (["bogus"], "invalid choice: 'bogus'"),
 ]

@@ -42,11 +42,30 @@ def test_precedence_is_defaults_then_file_then_options():
         ("[method.gps]\ncontrol_period = -1", "method.gps.control_period = -1: input should be greater than 0"),
         ("[method.gps]\ncontrl_period = 1", "unknown key method.gps.contrl_period"),
         ("config_x = 3", "unknown key config_x"),
-        ("mass = 10.0", "mass = 10 kg given; with the rigid plant it must be the model's, 12 kg"),
+        ("mass = 10.0", "mass = 10 kg given; with the rigid plant it must be the model's and its payload, 12 kg"),
         ("[field]\nneighbour_range = 4.0", "beyond the well's floor, which ends at 6.19615 m"),
         ("[field]\nspacing = 9.5", "field.neighbour_range = 10 m given"),
         ("[start]\ndistance = 100.0", "field.leader_range = 60 m given; it must reach the start"),
         ("[start]\nspacing = 0.1", "start.spacing = 0.1 m given"),
+        ("[vehicle]\nfriction = 0.01", "vehicle.friction = 0.01: input should be greater than or equal to 0.05"),
+        ("[vehicle]\nfriction = 2.0", "vehicle.friction = 2.0: input should be less than or equal to 1.5"),
+        ("[vehicle]\nfriction = nan", "vehicle.friction = nan"),
+        ("[vehicle]\nfriction = 'ice'", "vehicle.friction = 'ice'"),
+        ("[vehicle]\nfriction = [0.9, 0.3]", "vehicle.friction = 0.9..0.3 given, the first must not be above"),
+        ("[vehicle]\nfriction = [0.3, 2.0]", "vehicle.friction = "),
+        ("[vehicle]\nfriction = [0.3]", "vehicle.friction = "),
+        ("[vehicle]\nslope = 0.6", "vehicle.slope = 0.6: input should be less than or equal to 0.5"),
+        ("[vehicle]\nslope = nan", "vehicle.slope = nan"),
+        ("[vehicle]\npayload = -1.0", "vehicle.payload = -1.0: input should be greater than or equal to 0"),
+        ("[vehicle]\npayload = inf", "vehicle.payload = inf"),
+        ("[vehicle]\nsteering = 'bogus'", "vehicle.steering = 'bogus': input should be 'hand-point' or 'heading'"),
+        ("[vehicle]\nsensing = 'bogus'", "vehicle.sensing = 'bogus': input should be 'on-board' or 'truth'"),
+        ("[vehicle]\nbogus = 1", "unknown key vehicle.bogus"),
+        ("vehicle = 3", "vehicle = 3"),
+        ("[vehicle]\ngains = 'absent'", "gains 'absent' given, it must be a gain file or one of: first, "),
+        ("plants = ['particle']\n[vehicle]\ngains = 'absent'", "gains 'absent' given, it must be a gain file or"),
+        ("[vehicle]\nmodel = 'absent.xml'", "absent.xml"),
+        ("mass = 12.0\n[vehicle]\npayload = 4.0", "it must be the model's and its payload, 16 kg"),
     ],
 )
 def test_nonsense_is_named_in_one_line(text, message):
@@ -73,3 +92,20 @@ def test_files_that_cannot_be_read(tmp_path):
 def test_the_callers_defaults_stand_below_the_text():
     setup = configuration.load("trials = 7", "text", {"trials": 3, "plants": ["particle"]}, estimators=["gps"])
     assert (setup.trials, setup.plants, setup.estimators) == (7, ("particle",), ("gps",))
+
+
+def test_the_vehicles_table_comes_from_the_file_and_the_options():
+    text = "[vehicle]\nfriction = [0.3, 0.9]\nslope = 0.1\npayload = 2\nsteering = 'heading'\ngains = 'first'"
+    vehicle = configuration.load(text, "study.toml").vehicle
+    assert (vehicle.friction, vehicle.slope, vehicle.payload) == ((0.3, 0.9), 0.1, 2.0)
+    assert (vehicle.steering, vehicle.gains, vehicle.sensing) == ("heading", "first", "on-board")
+    other = configuration.load(text, "study.toml", friction=1, slope=-0.2, sensing="truth").vehicle
+    assert (other.friction, other.slope, other.sensing) == (1.0, -0.2, "truth")
+    assert isinstance(other.friction, float)
+    assert (other.payload, other.steering) == (vehicle.payload, vehicle.steering)
+
+
+@pytest.mark.parametrize("friction", ["model", 0.4, [0.3, 0.9]])
+def test_every_kind_of_friction_survives_the_way_through_toml(friction):
+    setup = configuration.build({}, friction=friction, payload=1.5, gains="first")
+    assert configuration.load(configuration.dump(setup), "text") == setup

@@ -29,7 +29,9 @@ def test_vehicle_is_read_from_the_compiled_model():
     # By hand: 9.6 + 4 x 0.6 kg; cylinder 0.6 x 0.1^2 / 2 + armature 0.004 kg m^2; hull and wheels as in the MJCF.
     assert vehicle.mass == pytest.approx(12.0)
     assert vehicle.wheel_inertia == pytest.approx(0.007)
-    assert vehicle.wheel_radius == pytest.approx(0.1, abs=1e-4)
+    # Half-way between the axles' height, 0.1 m but for 0.2 mm, and the tyre's undeformed 0.1042 m.
+    assert vehicle.wheel_radius == pytest.approx((scene.read_robot().height + 0.1042) / 2.0, abs=1e-6)
+    assert vehicle.wheel_radius == pytest.approx(0.1020, abs=1e-4)
     assert (vehicle.track, vehicle.wheelbase) == pytest.approx((0.42, 0.34))
     assert (vehicle.length, vehicle.breadth) == pytest.approx((0.50, 0.49))
     assert (vehicle.friction, vehicle.torque_limit) == (0.75, 2.0)
@@ -90,7 +92,7 @@ def test_turning_in_place_obeys_coulomb_friction(one, command, timestep):
     vehicle = scene.read_robot().vehicle
     half = len(rate) // 2
     theory = 2 * vehicle.wheel_radius * np.mean(wheel[half:]) / vehicle.turning_track
-    assert 0.95 < abs(np.mean(rate[half:])) / theory < 1.08
+    assert abs(np.mean(rate[half:])) / theory == pytest.approx(1.0, abs=0.01)
     assert np.sign(np.mean(rate[half:])) == np.sign(command)
     assert set(contacts) == {4}  # no wheel ever leaves the ground
 
@@ -118,14 +120,16 @@ def test_the_vehicles_parameters_by_hand():
     wheel = 0.6 * (3.0 * 0.1**2 + 0.07**2) / 12.0 + 0.6 * (0.17**2 + 0.21**2)
     assert vehicle.yaw_inertia == pytest.approx(0.272 + 4.0 * wheel)
     assert vehicle.yaw_inertia == pytest.approx(0.45418)
-    assert vehicle.mass_centre_height == pytest.approx((9.6 * 0.09 + 2.4 * 0.10) / 12.0, abs=1e-5)
+    sunk = 0.1 - scene.read_robot().height
+    assert vehicle.mass_centre_height == pytest.approx((9.6 * 0.09 + 2.4 * 0.10) / 12.0 - sunk, abs=1e-5)
+    assert abs(sunk) < 3e-4
     assert vehicle.mass_centre_forward == pytest.approx(0.0, abs=1e-9)
     # Of the motor's nominal 24 V, stall torque 8 Nm and no-load speed 104 rad/s.
     assert vehicle.torque_constant == pytest.approx(24.0 / 104.0)
     assert vehicle.resistance == pytest.approx(24.0 * (24.0 / 104.0) / 8.0)
     assert vehicle.current_limit == pytest.approx(2.0 / (24.0 / 104.0))
     assert (vehicle.voltage, vehicle.servo_gain, vehicle.wheel_damping) == pytest.approx((24.0, 0.5, 0.002))
-    assert vehicle.effective_mass == pytest.approx(12.0 + 4.0 * 0.007 / 0.1**2, rel=1e-3)
+    assert vehicle.effective_mass == pytest.approx(12.0 + 4.0 * 0.007 / 0.1020**2, rel=1e-3)
     assert vehicle.turning_track == pytest.approx(0.42 + 0.34**2 / 0.42)
 
 
@@ -134,10 +138,10 @@ def test_a_payload_is_heavier_and_higher():
     loaded = scene.read_robot(scene.Conditions(payload=4.0)).vehicle
     assert loaded.mass == pytest.approx(16.0)
     # The box of 0.10 m stands on the hull, whose top is 0.07 m above the axles.
-    sunk = bare.wheel_radius - loaded.wheel_radius
+    sunk = 2.0 * (bare.wheel_radius - loaded.wheel_radius)  # of the axles; the contact is half-way
     by_hand = (12.0 * bare.mass_centre_height + 4.0 * (0.10 + 0.07 + 0.05)) / 16.0 - sunk
     assert loaded.mass_centre_height == pytest.approx(by_hand, abs=1e-4)
-    assert 0.0 < sunk < 0.001
+    assert 0.0 < sunk < 0.001  # little, since the stiffness of MuJoCo's contacts grows with the mass
     # A box of 0.20 x 0.16 m about the vertical.
     assert loaded.yaw_inertia == pytest.approx(bare.yaw_inertia + 4.0 * (0.20**2 + 0.16**2) / 12.0)
 
@@ -167,6 +171,17 @@ def test_another_robot_with_the_same_names_is_read(tmp_path):
     vehicle = scene.read_robot(another(tmp_path, ('mass="0.6" euler', 'mass="1.2" euler'))).vehicle
     assert vehicle.mass == pytest.approx(9.6 + 4.0 * 1.2)
     assert vehicle.wheel_inertia == pytest.approx(1.2 * 0.1**2 / 2.0 + 0.004)
+
+
+@pytest.mark.parametrize(
+    ("part", "line"), [("actuator", '<dcmotor name="{}"'), ("joint", '<joint name="{}" class="wheel"/>')]
+)
+def test_a_robot_whose_wheels_are_in_another_order_is_refused(part, line, tmp_path):
+    # Commands go to the motors by their places: these would drive the wrong wheels.
+    one, other = line.format("front_left"), line.format("front_right")
+    conditions = another(tmp_path, (one, "aside"), (other, one), ("aside", other))
+    with pytest.raises(InputError, match=rf"{part}s .*front_right, front_left, .*; it needs .*, in this order"):
+        scene.read_robot(conditions)
 
 
 @pytest.mark.parametrize(

@@ -61,9 +61,18 @@ def test_golden_run_of_the_particles():
 
 
 def test_golden_run_of_the_rigid_bodies():
-    scores = run("rigid", "decoupled", range(4), duration=20.0).scores
-    assert scores.top_speed.mean() == pytest.approx(1.9321, abs=2e-3)
-    assert scores.closest.mean() == pytest.approx(3.9839, abs=5e-3)
+    # With the gain set that no tuning changes.
+    outcome = run("rigid", "decoupled", range(4), duration=20.0, gains="first")
+    assert outcome.scores.top_speed.mean() == pytest.approx(1.9145, abs=2e-3)
+    assert outcome.scores.closest.mean() == pytest.approx(3.9838, abs=5e-3)
+    assert outcome.wheel_slip.mean() == pytest.approx(0.739, abs=0.02)
+    np.testing.assert_array_equal(outcome.hull_contact, 0.0)
+
+
+def test_point_masses_have_neither_hulls_nor_wheels():
+    outcome = run("particle", "perfect", range(2), duration=2.0)
+    assert np.isnan(outcome.hull_contact).all()
+    assert np.isnan(outcome.wheel_slip).all()
 
 
 @pytest.mark.parametrize("plant", ["particle", "rigid"])
@@ -135,7 +144,7 @@ def test_the_command_is_held_for_the_control_period(monkeypatch):
 
 def test_footprints_are_the_hulls_and_the_method_sets_the_tolerance():
     setup = Scenario()
-    shape = simulation._formation(setup, case("particle", "gps"), scenario.field(setup, "gps"))
+    shape = simulation.make_formation(setup, case("particle", "gps"), scenario.field(setup, "gps"))
     assert (shape.length, shape.breadth, shape.tolerance, shape.settling_band) == pytest.approx((0.5, 0.49, 3.5, 0.5))
 
 

@@ -1,3 +1,4 @@
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -63,3 +64,22 @@ def test_a_diverged_trial_is_nan_and_counted(monkeypatch, short):
 def test_a_configuration_that_contradicts_itself_is_refused_before_any_work(short):
     with pytest.raises(InputError, match="mass = 6 kg"):
         study.run(replace(short, mass=6.0))
+
+
+def test_what_only_rigid_bodies_have_is_nan_for_particles(dataset):
+    rigid, particle = dataset.sel(case="rigid/gauss-markov/gps"), dataset.sel(case="particle/gauss-markov/gps")
+    for name in ("hull_contact", "wheel_slip"):
+        assert np.isnan(particle[name]).all()
+        assert np.isfinite(rigid[name]).all()
+    assert (rigid.wheel_slip > 0.0).all()
+    assert json.loads(dataset.attrs["inputs"]) == scenario.inputs(configuration.load(dataset.configuration, "saved"))
+
+
+def test_friction_by_trial_is_repeatable_whatever_the_chunks(monkeypatch):
+    setup = configuration.build({}, trials=3, duration=3.0, estimators=["gps"], plants=["rigid"], friction=[0.05, 0.9])
+    whole = study.run(setup)
+    monkeypatch.setattr(execution, "CHUNK", 1)
+    xr.testing.assert_identical(study.run(setup), whole)
+    # Other draws than one friction for all.
+    same = study.run(replace(setup, vehicle=replace(setup.vehicle, friction="model")))
+    assert (same.wheel_slip != whole.wheel_slip).all()

@@ -18,7 +18,8 @@ def test_document_is_json_without_nan_and_with_the_keys_of_the_interface(dataset
     assert set(document["rows"][0]) == {
         "plant", "perception", "estimator", "trials", "period_ms", "sample_period_ms", "alpha_h", "alpha_d",
         "settling_s",
-        "top_speed_mps", "collision", "collision_footprint", "completion", "completion_common", "diverged", "paper",
+        "top_speed_mps", "collision", "collision_footprint", "hull_contact", "completion", "completion_common",
+        "diverged", "paper",
     }  # fmt: skip
     assert document["rows"][0]["perception"] is None
     assert document["rows"][2]["perception"] == "gauss-markov"

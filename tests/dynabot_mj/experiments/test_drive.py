@@ -38,7 +38,8 @@ def test_top_speed_and_acceleration(figures, vehicle):
 
 def test_turns_in_place_obey_coulomb_friction_whatever_the_heading(figures):
     assert list(figures.turn_rate_over_theory) == ["10", "20", "40"]
-    assert all(0.95 <= ratio <= 1.08 for ratio in figures.turn_rate_over_theory.values())
+    # On the rolling radius the theory is met, not only its band of 0.95 to 1.08.
+    assert all(0.99 <= ratio <= 1.01 for ratio in figures.turn_rate_over_theory.values())
     assert figures.heading_spread < 0.01
 
 
@@ -46,13 +47,9 @@ def test_drives_straight(figures):
     assert figures.drift_mm_per_m < 0.01
 
 
-def test_no_tyre_leaves_the_floor_unless_the_vehicle_spins_out(figures):
-    assert figures.airborne_fraction_gripping == 0.0
-
-
-@pytest.mark.xfail(reason="MuJoCo's elliptic cone lifts a sliding tyre: see docs/vehicle.md")
-def test_no_tyre_leaves_the_floor(figures):
-    assert figures.airborne_fraction == 0.0
+def test_no_tyre_leaves_the_floor_not_even_in_a_spin(figures):
+    assert any(corner.spun_out for corner in figures.cornering)
+    assert figures.airborne_fraction == figures.airborne_fraction_gripping == 0.0
 
 
 def test_free_slides_gain_no_energy(report):
@@ -72,7 +69,9 @@ def test_braking_and_coasting(figures, vehicle):
 
 
 def test_rolling_radius_reaches_to_the_middle_of_the_overlap_of_tyre_and_floor(figures, vehicle):
-    assert figures.rolling_radius_m == pytest.approx((0.1042 + vehicle.wheel_radius) / 2.0, rel=1e-3)
+    # What rolling for fifty metres measures is what the laws are told.
+    assert figures.rolling_radius_m == pytest.approx(vehicle.wheel_radius, rel=1e-3)
+    assert vehicle.wheel_radius == pytest.approx((0.1042 + scene.read_robot().height) / 2.0)
 
 
 @pytest.mark.parametrize("slope", ["0.1", "0.2"])
@@ -113,9 +112,9 @@ def test_head_on_nobody_is_thrown_and_momentum_stays(figures):
     assert figures.warnings == 0
 
 
-@pytest.mark.xfail(reason="6 m/s are 2.4 cm in a step of 4 ms, before the contact is seen: see docs/vehicle.md")
-def test_hulls_overlap_by_less_than_2_cm(figures):
-    assert figures.collision.overlap_m < 0.02
+def test_hulls_hardly_overlap_although_they_close_24_mm_in_a_step(figures):
+    # Their margins, 10 mm each, see the contact before; the acceptance band is 20 mm.
+    assert figures.collision.overlap_m < 0.005
 
 
 def test_slippery_ground_limits_the_deceleration_to_mu_g():
@@ -136,13 +135,13 @@ def test_payload_makes_it_slower(figures):
 
 @pytest.mark.parametrize("sizes", [(0.002, 0.005), pytest.param(drive_report.STEP_SIZES[:5], marks=pytest.mark.slow)])
 def test_step_sizes_give_the_same_figures(sizes):
-    spreads = drive_report.spreads(drive_report.step_sizes(sizes=sizes))
-    # What differs by more, and why, is in docs/vehicle.md.
-    first_order = {"time to 95 % of it", "mean acceleration to 95 %", "braking from 5 m/s: time", "peak deceleration"}
+    found = drive_report.step_sizes(sizes=sizes)
+    spreads = drive_report.spreads(found)
     assert len(spreads) > 20
-    for name, spread in spreads.items():
-        if name != "collision: hull overlap":
-            assert spread < (0.015 if name in first_order else 0.01), name
+    # An extreme that depends on the phase of the step at which the hulls meet: it is bounded instead.
+    del spreads["collision: hull overlap"]
+    assert max(spreads.values()) < drive_report.ALIKE, spreads
+    assert all(one.collision.overlap_m < 0.02 and one.airborne_fraction == 0.0 for one in found.values())
 
 
 def test_a_trace_knows_headings_frames_and_contacts():
