@@ -18,6 +18,7 @@ class Vehicle:
     wheelbase: float  # between front and rear axles [m]
     length: float  # of the hull [m]
     breadth: float  # of the hull [m]
+    margin: float  # around the hull, in which contact begins [m]
     friction: float  # Coulomb coefficient between tyre and ground
     resistance: float  # of one motor's winding [ohm]
     torque_constant: float  # of one motor at the wheel; its back-EMF constant too [Nm/A]

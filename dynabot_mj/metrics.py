@@ -7,8 +7,8 @@ settling    the mean of r_i over the robots, smoothed by its trailing 3 s mean, 
             the last one that is more than 1 % of the start distance (0.5 m) from the smoothed signal's mean over the
             last 10 s. A trial whose last sample is outside, or whose robots collided, has no settling time.
 collision   two centres come nearer than the collision distance at any time. A rigid robot is larger than that, so the
-            footprints (oriented rectangles, one test for both plants) are judged beside; the centres alone decide
-            settling and completion.
+            footprints (oriented rectangles, one test for both plants: the hull and the margin of 1 cm in which its
+            contact begins) are judged beside; the centres alone decide settling and completion.
 completion  at every 0.5 s of the last 10 s, all robots are within sigma of the corners of the regular polygon around
             the leader that fits them best in the least-squares sense, turned and assigned to the robots freely; its
             radius is the middle of what the wells' floors admit. With sigma = 0 (perfect information): all r_i within

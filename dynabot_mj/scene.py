@@ -121,6 +121,7 @@ def read_robot(conditions: Conditions = NOMINAL) -> Robot:
         wheelbase=float(np.ptp(axles[:, 0])),
         length=2.0 * float(hull[0]),
         breadth=2.0 * float(hull[1]),
+        margin=float(model.geom(f"{name}hull").margin[0]),
         friction=float(model.pair_friction[model.pair_geom2.tolist().index(tyre), 0]),
         # As MuJoCo stores a dcmotor: resistance, motor constant; at 6 and 7 the speed loop's gain and the voltage.
         resistance=float(motor.gainprm[0]),

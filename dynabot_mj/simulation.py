@@ -213,8 +213,9 @@ def make_formation(setup: Scenario, case: Case, field: potential_field.Potential
         settling_band=SETTLING_SHARE * setup.start.distance,
         tolerance=scenario.method(setup, case.estimator).uncertainty,
         collision_distance=setup.collision_distance,
-        length=vehicle.length,
-        breadth=vehicle.breadth,
+        # Bodies are pushed apart from there on; bare hulls would touch only in hard collisions.
+        length=vehicle.length + 2.0 * vehicle.margin,
+        breadth=vehicle.breadth + 2.0 * vehicle.margin,
     )
 
 

@@ -85,7 +85,7 @@ def tracking(report: Report) -> Figure:
         report: Of `experiments.track.run`.
     """
     with plt.rc_context(STYLE):
-        figure, axes = plt.subplots(2, 4, figsize=(17.0, 7.6), layout="constrained")
+        figure, axes = plt.subplots(2, 4, figsize=(16.0, 7.2), dpi=100, layout="constrained")
         for index, (axis, kind) in enumerate(zip(axes.flat, manoeuvres.KINDS, strict=False)):
             _draw_speed(axis, report.examples, index)
             axis.set_title(kind)

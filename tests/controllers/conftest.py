@@ -18,6 +18,7 @@ def vehicle():
         wheelbase=0.34,
         length=0.5,
         breadth=0.49,
+        margin=0.01,
         friction=0.75,
         resistance=0.7,
         torque_constant=0.23,

@@ -142,10 +142,10 @@ def test_the_command_is_held_for_the_control_period(monkeypatch):
     assert len(np.unique(values)) == 10
 
 
-def test_footprints_are_the_hulls_and_the_method_sets_the_tolerance():
+def test_footprints_are_the_hulls_with_their_margin_and_the_method_sets_the_tolerance():
     setup = Scenario()
     shape = simulation.make_formation(setup, case("particle", "gps"), scenario.field(setup, "gps"))
-    assert (shape.length, shape.breadth, shape.tolerance, shape.settling_band) == pytest.approx((0.5, 0.49, 3.5, 0.5))
+    assert (shape.length, shape.breadth, shape.tolerance, shape.settling_band) == pytest.approx((0.52, 0.51, 3.5, 0.5))
 
 
 def test_a_particle_loop_that_blows_up_is_reported():
