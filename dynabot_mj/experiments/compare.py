@@ -146,8 +146,8 @@ def markdown(study: xr.Dataset) -> str:
         *tables.aligned(_header(), _body(summary, robots)),
         "",
         "Rates in % with 95 % Wilson intervals; settling as mean ± sd over the n trials that neither collided nor",
-        "stayed unsettled. Hulls: footprints, which reach 1 cm beyond the hulls, overlap; contact: the simulator found a",
-        "hull touched. Band 1 m: the completion criterion common to all rows. Runs shorter than 13 s have neither",
+        "stayed unsettled. Hulls: footprints, which reach 1 cm beyond the hulls, overlap; contact: the simulator found",
+        "a hull touched. Band 1 m: the completion criterion common to all rows. Runs shorter than 13 s have neither",
         "settling nor completion (-).",
     ]
     if differences:
