@@ -136,7 +136,7 @@ def table_iii(study: xr.Dataset) -> Figure:
 
 def save(figure: Figure, path: Path) -> None:
     """Writes a figure and forgets it; the format follows from the name."""
-    smaller = {"pil_kwargs": {"optimize": True}} if path.suffix == ".png" else {}
+    smaller: dict[str, Any] = {"pil_kwargs": {"optimize": True}} if path.suffix == ".png" else {}
     figure.savefig(path, **smaller)
     plt.close(figure)
 
