@@ -206,15 +206,15 @@ def _body(summary: Sequence[Row], robots: int) -> list[list[str]]:
                     one.plant,
                     f"{one.sample_period_ms:g}, {one.period_ms:g}",
                     f"{one.alpha_h:g}, {one.alpha_d:g}",
-                    _mean(one.settling_s),
+                    tables.mean(one.settling_s),
                     str(one.settling_s.n),
-                    _rate(one.settling_s.unsettled),
-                    _mean(one.top_speed_mps),
-                    _rate(one.collision),
-                    _rate(one.collision_footprint),
-                    _rate(one.hull_contact),
-                    _rate(one.completion),
-                    _rate(one.completion_common),
+                    tables.rate(one.settling_s.unsettled),
+                    tables.mean(one.top_speed_mps),
+                    tables.rate(one.collision),
+                    tables.rate(one.collision_footprint),
+                    tables.rate(one.hull_contact),
+                    tables.rate(one.completion),
+                    tables.rate(one.completion_common),
                     str(one.diverged),
                 ]
             )
@@ -235,18 +235,6 @@ def _difference_body(differences: Sequence[Paired]) -> list[list[str]]:
         by_metric = {one.metric: one for one in group}
         body.append([a.split("/")[-1], *(_difference(by_metric[metric]) for metric in _DIFFERENCE_HEADER)])
     return body
-
-
-def _mean(value: Mean) -> str:
-    if value.mean is None:
-        return "-"
-    return f"{value.mean:.1f}" + (f" ± {value.sd:.1f}" if value.sd is not None else "")
-
-
-def _rate(value: Rate) -> str:
-    if value.rate is None or value.low is None or value.high is None:
-        return "-"
-    return f"{100 * value.rate:.0f} [{100 * value.low:.0f}, {100 * value.high:.0f}]"
 
 
 def _difference(value: Paired) -> str:

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+from dynabot_mj.statistics import Mean, Rate
+
 
 def aligned(header: Sequence[str], body: Sequence[Sequence[str]]) -> list[str]:
     """Returns the lines of a Markdown table whose columns line up."""
@@ -11,3 +13,17 @@ def aligned(header: Sequence[str], body: Sequence[Sequence[str]]) -> list[str]:
         return "| " + " | ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True)) + " |"
 
     return [line(header), "|" + "|".join("-" * (width + 2) for width in widths) + "|", *map(line, body)]
+
+
+def mean(value: Mean) -> str:
+    """Returns a mean as `mean ± sd`, or a dash."""
+    if value.mean is None:
+        return "-"
+    return f"{value.mean:.1f}" + (f" ± {value.sd:.1f}" if value.sd is not None else "")
+
+
+def rate(value: Rate) -> str:
+    """Returns a rate and its interval in per cent, or a dash."""
+    if value.rate is None or value.low is None or value.high is None:
+        return "-"
+    return f"{100 * value.rate:.0f} [{100 * value.low:.0f}, {100 * value.high:.0f}]"

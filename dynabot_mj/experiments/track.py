@@ -14,9 +14,8 @@ import numpy as np
 
 from dynabot_mj import configuration, manoeuvres, scenario, statistics, testbed
 from dynabot_mj.arrays import Array
-from dynabot_mj.experiments import formation_tracking, tracking
+from dynabot_mj.experiments import formation_tracking, tables, tracking
 from dynabot_mj.experiments.formation_tracking import FormationTracking
-from dynabot_mj.experiments.tables import aligned
 from dynabot_mj.experiments.tracking import Tracking
 from dynabot_mj.scenario import Scenario, SteeringName
 from dynabot_mj.statistics import Mean, Rate
@@ -174,25 +173,25 @@ def markdown(report: Report) -> str:
         f"Velocity RMS [m/s], position RMS [m] over {COURSES_PER_KIND} courses of {COURSE_DURATION:g} s of each kind, "
         f"T_c = {1e3 * COURSE_PERIOD:g} ms:",
         "",
-        *aligned(["law, gains", *kinds], courses),
+        *tables.aligned(["law, gains", *kinds], courses),
         "",
         f"Formation with perfect information, {first.trials} trials, against the same trials of particles:",
         "",
-        *aligned(
+        *tables.aligned(
             ["law, gains", "T_c [ms]", "settling [s]", "particles [s]", "ratio", *_COMMON_HEADER],
             [[one.laws, f"{one.period_ms:g}", *_settling(one), *_common(one)] for one in report.formations],
         ),
         "",
         f"The same over friction, {report.frictions[0].laws}, T_c = {1e3 * COURSE_PERIOD:g} ms:",
         "",
-        *aligned(
+        *tables.aligned(
             ["friction", "settling [s]", "particles [s]", "ratio", "unsettled", "hulls", "completion", *_COMMON_HEADER],
             [
                 [
                     f"{one.friction:g}",
                     *_settling(one),
-                    *map(_rate, (one.unsettled, one.collision_footprint)),
-                    _rate(one.completion),
+                    *map(tables.rate, (one.unsettled, one.collision_footprint)),
+                    tables.rate(one.completion),
                     *_common(one),
                 ]
                 for one in report.frictions
@@ -280,7 +279,7 @@ def _first_of_each(driven: Tracking) -> Tracking:
 def _settling(row: FormationRow) -> list[str]:
     ours, theirs = row.settling_s.mean, row.particle_settling_s.mean
     ratio = "-" if ours is None or theirs is None else f"{ours / theirs:.3f}"
-    return [_mean(row.settling_s), _mean(row.particle_settling_s), ratio]
+    return [tables.mean(row.settling_s), tables.mean(row.particle_settling_s), ratio]
 
 
 def _common(row: FormationRow) -> list[str]:
@@ -290,15 +289,3 @@ def _common(row: FormationRow) -> list[str]:
         f"{row.largest_yaw_path_rad:.2f}",
         f"{row.largest_slip_mps:.2f}",
     ]
-
-
-def _mean(value: Mean) -> str:
-    if value.mean is None:
-        return "-"
-    return f"{value.mean:.1f}" + (f" ± {value.sd:.1f}" if value.sd is not None else "")
-
-
-def _rate(value: Rate) -> str:
-    if value.rate is None or value.low is None or value.high is None:
-        return "-"
-    return f"{100 * value.rate:.0f} [{100 * value.low:.0f}, {100 * value.high:.0f}]"
