@@ -1,0 +1,28 @@
+import json
+
+import pytest
+
+from dynabot_mj import cli
+from dynabot_mj.experiments import track
+from dynabot_mj.manoeuvres import KINDS
+
+
+def test_the_report_has_every_law_on_every_kind_of_course(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(track, "PERIODS", ((0.036, "perfect"),))
+    monkeypatch.setattr(track, "COMPARED_PERIODS", ())
+    monkeypatch.setattr(track, "FRICTIONS", (0.5,))
+    monkeypatch.setattr(track, "COURSES_PER_KIND", 1)
+    monkeypatch.setattr(track, "COURSE_DURATION", 2.0)
+    assert cli.main(["track", "--trials", "1", "--out", str(tmp_path), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert [(one["laws"], one["kind"]) for one in document["courses"]] == [
+        (laws.label, kind) for laws in track.LAWS for kind in KINDS
+    ]
+    assert all(one["velocity_rms_mps"] > 0.0 for one in document["courses"])
+    (formation,), (slippery,) = document["formations"], document["frictions"]
+    assert formation["laws"] == slippery["laws"] == track.TUNED.label
+    assert slippery["friction"] == 0.5
+    # The same trial, so the same particles.
+    assert formation["particle_settling_s"] == slippery["particle_settling_s"]
+    assert formation["settling_s"]["mean"] == pytest.approx(formation["particle_settling_s"]["mean"], rel=0.1)
+    assert {"tracking.json", "tracking.md", "tracking.png"} <= {file.name for file in tmp_path.iterdir()}
