@@ -152,6 +152,7 @@ def tune(options: argparse.Namespace) -> None:
     """Tunes the local laws with CasADi, and judges the result in MuJoCo on courses that it was not tuned on."""
     from controllers import gains as gain_sets
     from dynabot_mj import manoeuvres, progress, tracking_figures
+    from dynabot_mj.experiments import parity as models
     from dynabot_mj.experiments import tune_traction as experiment
     from dynabot_mj.figures import save
 
@@ -169,7 +170,7 @@ def tune(options: argparse.Namespace) -> None:
     files.require_writable(folder)
     with progress.shown("tune") as tell:
         result = experiment.run(request, tell)
-    parity = experiment.parity(request.conditions)
+    parity = models.parity(request.conditions)
     document, text = experiment.document(result, parity), experiment.markdown(result, parity)
     with files.staged(folder) as stage:
         name = "gains.toml" if result.validation.better else "not_adopted.toml"

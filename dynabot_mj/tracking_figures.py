@@ -8,9 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dynabot_mj import manoeuvres
+from dynabot_mj.experiments.parity import Parity
 from dynabot_mj.experiments.track import Report
 from dynabot_mj.experiments.tracking import Tracking
-from dynabot_mj.experiments.tune_traction import Parity, Result
+from dynabot_mj.experiments.tune_traction import Result
 from dynabot_mj.figures import ROBOT_COLOURS, STYLE
 
 _PARTICLE = "#777777"
@@ -46,7 +47,7 @@ def parity(found: Parity) -> Figure:
     """Draws both models' signals on the acceptance course.
 
     Args:
-        found: Of `experiments.tune_traction.parity`.
+        found: Of `experiments.parity.parity`.
     """
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(len(found.signals), 1, figsize=(12.0, 9.0), sharex=True, layout="constrained")
