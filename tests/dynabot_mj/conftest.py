@@ -1,3 +1,7 @@
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 
 from dynabot_mj import configuration, study
@@ -23,3 +27,20 @@ def saved(tmp_path):
         return (tmp_path / "study.nc").read_bytes()
 
     return content
+
+
+@pytest.fixture(scope="session")
+def command():
+    """The command line's real entry point."""
+    return Path(sys.executable).parent / "dynabot"
+
+
+@pytest.fixture(scope="session")
+def dynabot(command):
+    """Runs the command line."""
+
+    def run(*arguments, cwd=None):
+        line = [command, *map(str, arguments)]
+        return subprocess.run(line, capture_output=True, text=True, timeout=300, cwd=cwd, check=False)
+
+    return run

@@ -1,0 +1,1 @@
+"""One file per sub-command, and what they share: `parsers`, `results`, `studies`."""

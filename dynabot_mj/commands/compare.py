@@ -1,0 +1,36 @@
+"""`dynabot compare`."""
+
+import argparse
+
+from dynabot_mj.commands import parsers, results, studies
+
+
+def add(commands: parsers.Commands) -> None:
+    """Registers the command."""
+    from dynabot_mj.scenario import ESTIMATORS, PERCEPTIONS, PLANTS
+
+    command = parsers.command(commands, compare, parsers.study())
+    command.add_argument("--trials", type=int, help="trials of each case (default 100)")
+    command.add_argument("--plants", nargs="+", choices=PLANTS)
+    command.add_argument("--estimators", nargs="+", choices=ESTIMATORS)
+    command.add_argument("--perception", nargs="+", choices=PERCEPTIONS)
+
+
+def compare(options: argparse.Namespace) -> None:
+    """Every estimator on both plants, the paper's Table III beside them."""
+    from dynabot_mj import figures
+    from dynabot_mj.experiments import compare as experiment
+
+    setup = studies.build(options, plants=options.plants, estimators=options.estimators, perception=options.perception)
+    folder = results.open_folder(options, "compare")
+    study, wall_s = studies.run(setup, folder, options, "compare")
+    table = experiment.markdown(study)
+    document = experiment.document(study)
+    with studies.staged(folder, setup, study, options, wall_s) as stage:
+        (stage / "table.md").write_text(table, encoding="utf-8")
+        (stage / "compare.json").write_text(results.dump(document), encoding="utf-8")
+        figures.save(figures.table_iii(study), stage / "table_iii.png")
+        for estimator in dict.fromkeys(setup.estimators):
+            figures.save(figures.trajectories(study, estimator), stage / f"trajectories_{estimator}.png")
+    text = f"{table}\n{wall_s:.0f} s; results in {folder}"
+    results.show(options, {**document, "wall_s": round(wall_s, 3)}, text)

@@ -1,0 +1,32 @@
+"""`dynabot track`."""
+
+import argparse
+
+from dynabot_mj.commands import parsers, results
+from dynabot_mj.errors import InputError
+
+
+def add(commands: parsers.Commands) -> None:
+    """Registers the command."""
+    command = parsers.command(commands, track, parsers.shared())
+    command.add_argument("--trials", type=int, default=100, help="of each formation (default 100)")
+    command.add_argument("--seed", type=int, default=0, help="of all random numbers (default 0)")
+    parsers.add_workers(command)
+    parsers.add_out(command, "out/track")
+
+
+def track(options: argparse.Namespace) -> None:
+    """How well vehicles imitate particles, for each steering law and gain set."""
+    from dynabot_mj import progress, tracking_figures
+    from dynabot_mj.experiments import track as experiment
+    from dynabot_mj.figures import save
+
+    if options.trials < 1:
+        raise InputError(f"--trials {options.trials} given, it must be at least 1")
+    parsers.require_seed(options.seed)
+    folder = results.open_folder(options, "track")
+    with progress.shown("track") as tell:
+        report = experiment.run(options.seed, options.trials, options.workers, tell)
+    document, text = experiment.document(report), experiment.markdown(report)
+    with results.report(options, folder, "tracking", document, text) as stage:
+        save(tracking_figures.tracking(report), stage / "tracking.png")

@@ -1,0 +1,55 @@
+"""`dynabot tune`."""
+
+import argparse
+from pathlib import Path
+
+from dynabot_mj.commands import parsers, results
+
+
+def add(commands: parsers.Commands) -> None:
+    """Registers the command."""
+    from dynabot_mj.scenario import STEERINGS
+
+    command = parsers.command(commands, tune, parsers.vehicle())
+    command.add_argument("what", choices=["traction"], help="which laws")
+    command.add_argument("--steering", choices=STEERINGS, default="hand-point", help="law (default hand-point)")
+    command.add_argument(
+        "--start", default="first", metavar="SET", help="gain set or file to start from (default first)"
+    )
+    command.add_argument(
+        "--against", default="first", metavar="SET", help="what the result has to beat (default first)"
+    )
+    command.add_argument("--period", type=float, default=0.036, help="control period T_c [s] (default 0.036)")
+    command.add_argument("--scenario", type=Path, metavar="FILE.toml", help="courses to tune on (default random ones)")
+    command.add_argument("--seed", type=int, default=0, help="of the courses (default 0)")
+
+
+def tune(options: argparse.Namespace) -> None:
+    """Tunes the local laws with CasADi, and judges the result in MuJoCo on courses that it was not tuned on."""
+    from controllers import gains as gain_sets
+    from dynabot_mj import manoeuvres, progress, tracking_figures
+    from dynabot_mj.experiments import parity as models
+    from dynabot_mj.experiments import tune_traction as experiment
+    from dynabot_mj.figures import save
+
+    request = experiment.Request(
+        steering="heading" if options.steering == "heading" else "hand_point",
+        start=options.start,
+        against=options.against,
+        conditions=parsers.conditions(options),
+        period=options.period,
+        courses=tuple(manoeuvres.load(options.scenario)) if options.scenario else (),
+        seed=options.seed,
+    )
+    experiment.check(request)
+    folder = results.open_folder(options, "tune-traction")
+    with progress.shown("tune") as tell:
+        result = experiment.run(request, tell)
+    parity = models.parity(request.conditions)
+    document, text = experiment.document(result, parity), experiment.markdown(result, parity)
+    name = "gains.toml" if result.validation.better else "not_adopted.toml"
+    note = f"; the gains are {folder / name}"
+    with results.report(options, folder, "tuning", document, text, note) as stage:
+        (stage / name).write_text(gain_sets.dump(result.solution.gains, result.provenance), encoding="utf-8")
+        save(tracking_figures.tuning(result), stage / "tuning.png")
+        save(tracking_figures.parity(parity), stage / "parity.png")

@@ -1,0 +1,31 @@
+import json
+
+
+def test_compare_writes_results_that_can_be_fed_back_in(dynabot, tmp_path):
+    first = dynabot("compare", "--trials", 2, "--duration", 14, "--seed", 3, "--json", "--out", tmp_path / "a")
+    assert first.returncode == 0, first.stderr
+    document = json.loads(first.stdout)
+    assert len(document["rows"]) == 8
+    assert document["wall_s"] > 0
+    names = {file.name for file in (tmp_path / "a").iterdir() if not file.name.startswith(".")}
+    assert names == {
+        "study.nc", "study.toml", "execution.json", "table.md", "compare.json", "table_iii.png",
+        "trajectories_perfect.png", "trajectories_gps.png", "trajectories_decoupled.png", "trajectories_coupled.png",
+    }  # fmt: skip
+    again = dynabot(
+        "compare",
+        "--config",
+        tmp_path / "a" / "study.toml",
+        "--threads",
+        2,
+        "--workers",
+        1,
+        "--json",
+        "--out",
+        tmp_path / "b",
+    )
+    assert (tmp_path / "a" / "study.nc").read_bytes() == (tmp_path / "b" / "study.nc").read_bytes()
+    assert {**json.loads(again.stdout), "wall_s": 0} == {**document, "wall_s": 0}
+    text = dynabot("compare", "--config", tmp_path / "a" / "study.toml", "--out", tmp_path / "b")
+    assert "| decoupled" in text.stdout
+    assert str(tmp_path / "b") in text.stdout
