@@ -23,6 +23,13 @@ class Purpose(enum.IntEnum):
     LATENCY = 3
     LOSS = 4
     FRICTION = 5
+    SWITCH_ON = 6  # of sensors
+    IMU = 7
+    GPS = 8
+    SENSOR_FAULT = 9
+    FITTED_POSITION = 10
+    FITTED_VELOCITY = 11
+    FITTED_HEADING = 12
 
 
 def generators(seed: int, trials: Sequence[int], purpose: Purpose) -> list[np.random.Generator]:

@@ -8,11 +8,20 @@ sigma is the deviation per axis or of the planar distance; both are the caller's
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Component:
+    """One sequence of an error that is the sum of several."""
+
+    deviation: float  # sigma, in the error's unit
+    time: float  # tau [s]
 
 
 def correlation(period: float, correlation_time: float) -> float:

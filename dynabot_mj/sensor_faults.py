@@ -1,0 +1,88 @@
+"""What can go wrong with a sensor for a while, by name and time window.
+
+outage     no fixes                                     dropped    samples of a channel are missing, each with a chance
+jump       the GPS position moves toward +x             frozen     a channel repeats what it said before
+magnetic   the bearing is turned                        nan        a channel is not a number
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.streams import Draws, Purpose
+from dynabot_mj.validation import STRICT
+
+FaultKind = Literal["outage", "jump", "magnetic", "dropped", "frozen", "nan"]
+Channel = Literal["gps_position", "gps_velocity", "accelerometer", "gyro", "magnetometer"]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class Fault:
+    """One fault."""
+
+    kind: FaultKind
+    channel: Channel = "gps_position"  # of dropped, frozen and nan; the other kinds have one of their own
+    start: float = 0.0  # [s]
+    end: float = math.inf  # [s]
+    size: float = 0.0  # of a jump [m], of the bearing's turn [rad], share of the samples that are dropped
+    robots: tuple[Annotated[int, Field(ge=0)], ...] = ()  # that have it, counted from 0; (): all
+
+
+class Faults:
+    """The faults of all robots of some trials."""
+
+    def __init__(self, faults: Sequence[Fault], seed: int, trials: Sequence[int], robots: int) -> None:
+        """Starts with what has been heard of no channel.
+
+        Args:
+            faults: Of each trial.
+            seed: Seed of the study.
+            trials: Numbers of the trials, length B.
+            robots: Number of robots n.
+        """
+        self._faults = tuple(faults)
+        self._chance = Draws(seed, trials, Purpose.SENSOR_FAULT, (robots,))
+        self._has = [np.isin(np.arange(robots), fault.robots) | (not fault.robots) for fault in self._faults]
+        self._said: dict[int, Array] = {}  # by a channel that may freeze
+
+    def fixes(self, position_w: Array, velocity_w: Array, time: float) -> tuple[Array, Array, BoolArray]:
+        """Returns what becomes of fixes, (B, n, 2) each [m], [m/s], and which are received, (B, n)."""
+        received = np.ones(position_w.shape[:2], dtype=bool)
+        for index, fault in enumerate(self._faults):
+            if fault.kind == "outage":
+                received &= ~self._acts(index, time)
+            elif fault.kind == "jump":
+                position_w = position_w + np.where(self._acts(index, time)[:, None], [fault.size, 0.0], 0.0)
+        return self.samples("gps_position", position_w, time), self.samples("gps_velocity", velocity_w, time), received
+
+    def samples(self, channel: Channel, value: Array, time: float) -> Array:
+        """Returns what becomes of the samples of a channel, (B, n, ...)."""
+        for index, fault in enumerate(self._faults):
+            acts = self._acts(index, time)
+            if fault.kind == "magnetic" and channel == "magnetometer":
+                value = value + np.where(acts, fault.size, 0.0)
+            elif fault.kind in ("dropped", "frozen", "nan") and fault.channel == channel:
+                value = self._afflicted(index, value, acts)
+        return value
+
+    def _afflicted(self, index: int, value: Array, acts: BoolArray) -> Array:
+        has = np.broadcast_to(acts, value.shape[:2])
+        other: Array | float = np.nan
+        if self._faults[index].kind == "dropped":
+            has = has & (self._chance.next() < self._faults[index].size)
+        if self._faults[index].kind == "frozen":
+            other = self._said.get(index, value)
+        value = np.where(has.reshape(*has.shape, *[1] * (value.ndim - 2)), other, value)
+        if self._faults[index].kind == "frozen":
+            self._said[index] = value
+        return value
+
+    def _acts(self, index: int, time: float) -> BoolArray:
+        """Tells which robots have a fault now, (n,)."""
+        fault = self._faults[index]
+        return self._has[index] & (fault.start <= time < fault.end)

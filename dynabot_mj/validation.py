@@ -1,0 +1,10 @@
+"""Types of the configuration's values, as pydantic checks them."""
+
+from typing import Annotated
+
+from pydantic import ConfigDict, Field
+
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+STRICT = ConfigDict(extra="forbid", strict=True)

@@ -1,0 +1,224 @@
+"""An estimator: one of the three filters, and the policy that is the same for all of them.
+
+The filters know the equations. The policy is what a robot needs on the ground: it starts a filter at the first fix and
+bearing, keeps samples that are not finite away from it, believes after all what has been rejected for long (the filter
+is wrong, not the sensor), tells how old the last believed fix is, and starts a filter again whose numbers broke down.
+"""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from estimation.kalman import Update
+from estimation.measurements import Estimate, GpsFix, ImuSample
+from estimation.parameters import DEFAULT, Parameters
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+Rows = npt.NDArray[np.intp] | slice  # which of a filter's robots are meant
+
+
+_PAST = 32  # samples remembered, to reach back to the time of a fix
+
+
+class Filter(Protocol):
+    """The equations of one filter for M robots; samples are given for the rows that are meant, and are finite."""
+
+    def begin(self, rows: Rows, fix: GpsFix, bearing: Array) -> None:
+        """Starts with a first fix and bearing."""
+        ...
+
+    def predict(self, rows: Rows, imu: ImuSample) -> None:
+        """Carries the state over a sampling period."""
+        ...
+
+    def see_bearing(self, rows: Rows, bearing: Array) -> Update:
+        """Takes a bearing; where it is NaN nothing changes."""
+        ...
+
+    def see_fix(self, rows: Rows, fix: GpsFix, force_b: Array) -> Sequence[Update]:
+        """Takes a fix, in one update or several; the mean specific force since it was true reaches back to it."""
+        ...
+
+    def believe_bearing(self, rows: Rows, bearing: Array) -> None:
+        """Sets the heading to a bearing and forgets what was believed; the velocity over ground stays."""
+        ...
+
+    def believe_fix(self, rows: Rows, fix: GpsFix) -> None:
+        """Sets position and velocity to a fix and forgets what was believed."""
+        ...
+
+    def sound(self) -> BoolArray:
+        """Tells where all numbers are finite and all variances positive, (M,)."""
+        ...
+
+    def beliefs(self) -> dict[str, Array]:
+        """Returns the fields of `Estimate` that a filter knows, (M, ...)."""
+        ...
+
+
+class Estimator:
+    """A filter and its policy, for robots in any arrangement of leading axes."""
+
+    def __init__(self, filter: Filter, shape: tuple[int, ...], parameters: Parameters = DEFAULT) -> None:  # noqa: A002
+        """Starts without a fix.
+
+        Args:
+            filter: Of as many robots as the shape holds.
+            shape: Leading axes of the samples, e.g. (trials, robots).
+            parameters: Of the policy; the filter has its own copy.
+        """
+        count = int(np.prod(shape))
+        self.filter = filter
+        # The latest updates by a bearing and by a fix, and the rows that they are of: for tests of consistency.
+        self.bearing_update: tuple[npt.NDArray[np.intp], Update] | None = None
+        self.fix_updates: tuple[npt.NDArray[np.intp], Sequence[Update]] = (np.arange(0), ())
+        self._shape, self._parameters = shape, parameters
+        self._known = np.zeros(count, dtype=bool)
+        self._fix_age = np.full(count, np.inf)
+        self._restarts = np.zeros(count, dtype=np.int64)
+        self._force_b, self._yaw_rate = np.zeros((count, 2)), np.zeros(count)
+        # The latest samples of the accelerometers and the periods that they are of; zero for robots that were not due.
+        self._past_force_b, self._past_period = np.zeros((_PAST, count, 2)), np.zeros((_PAST, count))
+        # Time since the first of a row of rejected samples; negative where the last one was believed.
+        self._fix_doubt, self._bearing_doubt = np.full(count, -1.0), np.full(count, -1.0)
+
+    def step(self, imu: ImuSample, fix: GpsFix, due: BoolArray) -> Estimate:
+        """Takes the samples of the robots that are due.
+
+        Args:
+            imu: Inertial samples, each array with the estimator's leading axes.
+            fix: The newest fixes that have arrived since the robot's last sample.
+            due: Which robots sample, with the same axes; the others' samples are not looked at.
+
+        Returns:
+            What every robot believes.
+        """
+        rows = np.flatnonzero(due)
+        self.fix_updates = (np.arange(0), ())
+        if rows.size:
+            imu, fix = self._guarded(imu, rows), _taken(fix, rows)
+            self._elapse(rows, imu.period)
+            usable = fix.received & np.isfinite(fix.position_w).all(-1) & np.isfinite(fix.velocity_w).all(-1)
+            usable &= np.isfinite(fix.age)
+            known = self._known[rows]
+            if known.any():
+                self._advance(rows[known], _rows(imu, known), _taken(fix, known), usable[known])
+            starting = ~known & usable & np.isfinite(imu.bearing)
+            if starting.any():
+                self._begin(rows[starting], _taken(fix, starting), imu.bearing[starting])
+            self._restart_broken()
+        return self._estimate()
+
+    def _advance(self, rows: npt.NDArray[np.intp], imu: ImuSample, fix: GpsFix, usable: BoolArray) -> None:
+        """Predicts, then takes the bearing, then the fix."""
+        some = self._meant(rows)
+        self.filter.predict(some, imu)
+        update = self.filter.see_bearing(some, imu.bearing)
+        self.bearing_update = (rows, update)
+        seen = np.isfinite(imu.bearing)
+        believed = self._judge(self._bearing_doubt, rows, seen, update.accepted, self._parameters.bearing_patience)
+        if believed.any():
+            self.filter.believe_bearing(rows[believed], imu.bearing[believed])
+        if not usable.any():
+            return
+        fixed, its_fix = rows[usable], _taken(fix, usable)
+        updates = self.filter.see_fix(self._meant(fixed), its_fix, self._force_since(fixed, its_fix.age))
+        self.fix_updates = (fixed, updates)
+        accepted = np.logical_and.reduce([one.accepted for one in updates])
+        everything = np.ones(len(fixed), dtype=bool)
+        believed = self._judge(self._fix_doubt, fixed, everything, accepted, self._parameters.fix_patience)
+        if believed.any():
+            self.filter.believe_fix(fixed[believed], _taken(its_fix, believed))
+        trusted = accepted | believed
+        self._fix_age[fixed[trusted]] = its_fix.age[trusted]
+
+    def _begin(self, rows: npt.NDArray[np.intp], fix: GpsFix, bearing: Array) -> None:
+        self.filter.begin(rows, fix, bearing)
+        self._known[rows] = True
+        self._fix_age[rows] = fix.age
+        self._fix_doubt[rows] = self._bearing_doubt[rows] = -1.0
+
+    def _elapse(self, rows: npt.NDArray[np.intp], period: Array) -> None:
+        self._fix_age[rows] += period
+        for doubt in (self._fix_doubt, self._bearing_doubt):
+            doubt[rows] += np.where(doubt[rows] >= 0.0, period, 0.0)
+
+    def _judge(
+        self, doubt: Array, rows: npt.NDArray[np.intp], seen: BoolArray, accepted: BoolArray, patience: float
+    ) -> BoolArray:
+        """Keeps the time since samples began to be rejected; tells which rows have to believe them now."""
+        since = doubt[rows]
+        rejected = seen & ~accepted
+        since = np.where(rejected, np.maximum(since, 0.0), np.where(seen, -1.0, since))
+        believed = rejected & (since > patience)
+        doubt[rows] = np.where(believed, -1.0, since)
+        return believed
+
+    def _restart_broken(self) -> None:
+        broken = self._known & ~self.filter.sound()
+        self._known &= ~broken
+        self._restarts += broken
+        self._fix_age[broken] = np.inf
+
+    def _guarded(self, imu: ImuSample, rows: npt.NDArray[np.intp]) -> ImuSample:
+        """Returns the samples of some rows; the last good ones stand for those that are not finite."""
+        force_b, yaw_rate = imu.specific_force_b.reshape(-1, 2)[rows], imu.yaw_rate.reshape(-1)[rows]
+        self._force_b[rows] = force_b = np.where(np.isfinite(force_b), force_b, self._force_b[rows])
+        self._yaw_rate[rows] = yaw_rate = np.where(np.isfinite(yaw_rate), yaw_rate, self._yaw_rate[rows])
+        period = imu.period.reshape(-1)[rows]
+        self._past_force_b, self._past_period = np.roll(self._past_force_b, 1, 0), np.roll(self._past_period, 1, 0)
+        self._past_period[0] = 0.0
+        self._past_force_b[0, rows], self._past_period[0, rows] = force_b, period
+        bearing = imu.bearing.reshape(-1)[rows]
+        return ImuSample(
+            period=period,
+            specific_force_b=force_b,
+            yaw_rate=yaw_rate,
+            bearing=np.where(np.isfinite(bearing), bearing, np.nan),  # infinity has no angle
+        )
+
+    def _force_since(self, rows: npt.NDArray[np.intp], age: Array) -> Array:
+        """Returns the mean specific force of the last `age` seconds, (M, 2); one sample's noise would be amplified."""
+        period = self._past_period[:, rows]
+        before = np.cumsum(period, axis=0) - period
+        weight = np.clip(age - before, 1e-9 * (period > 0.0), period)
+        weighted: Array = (weight[..., None] * self._past_force_b[:, rows]).sum(axis=0)
+        return weighted / np.maximum(weight.sum(axis=0), 1e-12)[:, None]
+
+    def _meant(self, rows: npt.NDArray[np.intp]) -> Rows:
+        """Returns the rows as a slice where they are all: views are cheaper than copies."""
+        return slice(None) if len(rows) == len(self._known) else rows
+
+    def _estimate(self) -> Estimate:
+        beliefs = {
+            name: values.reshape(*self._shape, *values.shape[1:]) for name, values in self.filter.beliefs().items()
+        }
+        return Estimate(
+            **beliefs,
+            known=self._known.reshape(self._shape).copy(),
+            fix_age=self._fix_age.reshape(self._shape).copy(),
+            restarts=self._restarts.reshape(self._shape).copy(),
+        )
+
+
+def _rows(imu: ImuSample, chosen: BoolArray) -> ImuSample:
+    """Returns the samples of some of the rows."""
+    return ImuSample(
+        period=imu.period[chosen],
+        specific_force_b=imu.specific_force_b[chosen],
+        yaw_rate=imu.yaw_rate[chosen],
+        bearing=imu.bearing[chosen],
+    )
+
+
+def _taken(fix: GpsFix, chosen: npt.NDArray[np.intp] | BoolArray) -> GpsFix:
+    """Returns the fixes of some rows, the leading axes made one."""
+    return GpsFix(
+        received=fix.received.reshape(-1)[chosen],
+        position_w=fix.position_w.reshape(-1, 2)[chosen],
+        velocity_w=fix.velocity_w.reshape(-1, 2)[chosen],
+        age=fix.age.reshape(-1)[chosen],
+    )

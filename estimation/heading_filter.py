@@ -1,0 +1,69 @@
+"""Heading and gyro bias: the two-state Kalman filter that GPS extrapolation and the decoupled EKF share.
+
+phi' = phi + T (w - b_r),        b_r' = b_r,        z = phi (a bearing, its innovation wrapped).
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from estimation import kalman
+from estimation.estimator import Rows
+from estimation.kalman import Update
+from estimation.measurements import ImuSample, wrap
+from estimation.parameters import Parameters
+
+Array = npt.NDArray[np.float64]
+
+
+class HeadingFilter:
+    """x = [phi, b_r] of M robots."""
+
+    def __init__(self, count: int, parameters: Parameters) -> None:
+        """Starts anywhere; see `believe`.
+
+        Args:
+            count: M.
+            parameters: Assumed errors.
+        """
+        self._parameters = parameters
+        self.state = np.zeros((count, 2))
+        self.covariance = np.tile(np.diag([parameters.bearing_noise**2, parameters.yaw_rate_bias**2]), (count, 1, 1))
+
+    def begin(self, rows: Rows, bearing: Array) -> None:
+        """Starts with a bearing."""
+        self.state[rows, 1] = 0.0
+        self.believe(rows, bearing)
+        self.covariance[rows, 1, 1] = self._parameters.yaw_rate_bias**2
+
+    def believe(self, rows: Rows, bearing: Array) -> None:
+        """Sets the heading to a bearing."""
+        self.state[rows, 0] = bearing
+        self.covariance[rows, 0] = self.covariance[rows, :, 0] = 0.0
+        self.covariance[rows, 0, 0] = self._parameters.bearing_noise**2
+
+    def predict(self, rows: Rows, imu: ImuSample) -> Array:
+        """Carries the state over a period and returns the mean yaw rate in it, (M,) [rad/s]."""
+        state, covariance, time = self.state[rows], self.covariance[rows], imu.period
+        yaw_rate = imu.yaw_rate - state[:, 1]
+        cross, variance = covariance[:, 0, 1].copy(), covariance[:, 1, 1].copy()
+        walk = self._parameters.yaw_rate_bias_walk**2 * time
+        covariance[:, 0, 0] += time * (time * variance - 2.0 * cross) + self._parameters.yaw_rate_density**2 * time
+        covariance[:, 0, 1] = covariance[:, 1, 0] = cross - time * variance
+        covariance[:, 1, 1] += walk
+        state[:, 0] += time * yaw_rate
+        self.state[rows], self.covariance[rows] = state, covariance
+        return yaw_rate
+
+    def see_bearing(self, rows: Rows, bearing: Array) -> Update:
+        """Takes a bearing; see `Filter.see_bearing`."""
+        state, parameters = self.state[rows], self._parameters
+        update = kalman.update_one(
+            state,
+            self.covariance[rows],
+            wrap(bearing - state[:, 0]),
+            0,
+            parameters.bearing_noise**2,
+            kalman.threshold(parameters.gate, 1),
+        )
+        self.state[rows], self.covariance[rows] = update.state, update.covariance
+        return update

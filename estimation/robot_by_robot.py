@@ -1,0 +1,152 @@
+"""Filters of single robots, behind the protocol that the batched filters have."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from estimation.estimator import Rows
+from estimation.kalman import Update
+from estimation.measurements import GpsFix, ImuSample
+
+Array = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+class Robot(Protocol):
+    """`estimation.estimator.Filter` for one robot: samples and results have no leading axes."""
+
+    def begin(self, fix: GpsFix, bearing: Array) -> None:
+        """Starts with a first fix and bearing."""
+        ...
+
+    def predict(self, imu: ImuSample) -> None:
+        """Carries the state over a sampling period."""
+        ...
+
+    def see_bearing(self, bearing: Array) -> Update:
+        """Takes a bearing; where it is NaN nothing changes."""
+        ...
+
+    def see_fix(self, fix: GpsFix, force_b: Array) -> tuple[Update, ...]:
+        """Takes a fix; the mean specific force since it was true reaches back to it."""
+        ...
+
+    def believe_bearing(self, bearing: Array) -> None:
+        """Sets the heading to a bearing and forgets what was believed; the velocity over ground stays."""
+        ...
+
+    def believe_fix(self, fix: GpsFix) -> None:
+        """Sets position and velocity to a fix and forgets what was believed."""
+        ...
+
+    def sound(self) -> bool:
+        """Tells whether all numbers are finite and all variances positive."""
+        ...
+
+    def beliefs(self) -> dict[str, Array]:
+        """Returns the fields of `Estimate` that a filter knows."""
+        ...
+
+
+class FullStateRobot(Robot, Protocol):
+    """One that estimates all ten states."""
+
+    def moments(self) -> tuple[Array, Array]:
+        """Returns the states in the order of `estimation.motion`, (10,), and their covariance, (10, 10)."""
+        ...
+
+
+class RobotByRobot:
+    """M robots with filters of their own: an `estimation.estimator.Filter`."""
+
+    def __init__(self, robots: Sequence[Robot]) -> None:
+        """Takes the robots."""
+        self._robots = tuple(robots)
+
+    def begin(self, rows: Rows, fix: GpsFix, bearing: Array) -> None:
+        """Starts with a first fix and bearing."""
+        for index, robot in self._meant(rows):
+            robot.begin(_fix(fix, index), bearing[index])
+
+    def predict(self, rows: Rows, imu: ImuSample) -> None:
+        """Carries the states over a period."""
+        for index, robot in self._meant(rows):
+            robot.predict(_sample(imu, index))
+
+    def see_bearing(self, rows: Rows, bearing: Array) -> Update:
+        """Takes a bearing."""
+        return _stacked([robot.see_bearing(bearing[index]) for index, robot in self._meant(rows)])
+
+    def see_fix(self, rows: Rows, fix: GpsFix, force_b: Array) -> tuple[Update, ...]:
+        """Takes a fix."""
+        seen = [robot.see_fix(_fix(fix, index), force_b[index]) for index, robot in self._meant(rows)]
+        return tuple(_stacked(updates) for updates in zip(*seen, strict=True))
+
+    def believe_bearing(self, rows: Rows, bearing: Array) -> None:
+        """Sets the heading to a bearing."""
+        for index, robot in self._meant(rows):
+            robot.believe_bearing(bearing[index])
+
+    def believe_fix(self, rows: Rows, fix: GpsFix) -> None:
+        """Sets position and velocity to a fix."""
+        for index, robot in self._meant(rows):
+            robot.believe_fix(_fix(fix, index))
+
+    def sound(self) -> BoolArray:
+        """Tells where all numbers are finite and all variances positive."""
+        return np.array([robot.sound() for robot in self._robots])
+
+    def beliefs(self) -> dict[str, Array]:
+        """Returns the fields of `Estimate`."""
+        found = [robot.beliefs() for robot in self._robots]
+        return {name: np.array([one[name] for one in found]) for name in found[0]}
+
+    def _meant(self, rows: Rows) -> list[tuple[int, Robot]]:
+        """Returns the robots of some rows, and where their samples are."""
+        return [(index, self._robots[row]) for index, row in enumerate(np.arange(len(self._robots))[rows])]
+
+
+class FullStateRobotByRobot(RobotByRobot):
+    """The same of robots that estimate all ten states."""
+
+    def __init__(self, robots: Sequence[FullStateRobot]) -> None:
+        """Takes the robots."""
+        super().__init__(robots)
+        self._full = tuple(robots)
+
+    def moments(self) -> tuple[Array, Array]:
+        """Returns the states in the order of `estimation.motion`, (M, 10), and their covariance, (M, 10, 10)."""
+        states, covariances = zip(*[robot.moments() for robot in self._full], strict=True)
+        return np.array(states), np.array(covariances)
+
+
+def _sample(imu: ImuSample, index: int) -> ImuSample:
+    return ImuSample(
+        period=imu.period[index],
+        specific_force_b=imu.specific_force_b[index],
+        yaw_rate=imu.yaw_rate[index],
+        bearing=imu.bearing[index],
+    )
+
+
+def _fix(fix: GpsFix, index: int) -> GpsFix:
+    return GpsFix(
+        received=fix.received[index],
+        position_w=fix.position_w[index],
+        velocity_w=fix.velocity_w[index],
+        age=fix.age[index],
+    )
+
+
+def _stacked(updates: Sequence[Update]) -> Update:
+    """Returns the updates of several robots as one."""
+    return Update(
+        state=np.array([one.state for one in updates]),
+        covariance=np.array([one.covariance for one in updates]),
+        innovation=np.array([one.innovation for one in updates]),
+        innovation_covariance=np.array([one.innovation_covariance for one in updates]),
+        squared=np.array([one.squared for one in updates]),
+        accepted=np.array([one.accepted for one in updates]),
+    )
