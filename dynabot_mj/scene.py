@@ -85,6 +85,36 @@ def compose(robots: int, conditions: Conditions = NOMINAL) -> mujoco.MjSpec:
     return field
 
 
+def compose_tethered(conditions: Conditions = NOMINAL) -> mujoco.MjSpec:
+    """Ties one robot's front to a post at the origin, which stands in the leader's place.
+
+    The tether has a sensor, `tether_force`, of what it pulls with.
+
+    Args:
+        conditions: Which robot, and on what ground.
+
+    Raises:
+        InputError: If the model's file cannot be read or lacks a name.
+    """
+    field = compose(1, conditions)
+    field.delete(field.body("leader"))
+    name = "tether/"
+    post = mujoco.MjSpec.from_file(str(models.path("tether.xml")))
+    field.attach(post, prefix=name, frame=field.worldbody.add_frame())
+    tether = field.find_default(f"{name}tether")
+    field.joint(f"{prefix(0)}free").parent.add_site(tether, name=f"{name}hitch")
+    tendon = field.add_tendon(tether, name=f"{name}tether")
+    tendon.wrap_site(f"{name}eye")
+    tendon.wrap_site(f"{name}hitch")
+    field.add_sensor(
+        name="tether_force",
+        type=mujoco.mjtSensor.mjSENS_TENDONLIMITFRC,
+        objtype=mujoco.mjtObj.mjOBJ_TENDON,
+        objname=f"{name}tether",
+    )
+    return field
+
+
 @functools.cache
 def read_robot(conditions: Conditions = NOMINAL) -> Robot:
     """Compiles a field with one robot, lets it come to rest on its tyres and reads its parameters.

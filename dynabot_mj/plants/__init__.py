@@ -19,6 +19,18 @@ class FleetState:
     velocity_w: Array  # (B, n, 2) of the centres [m/s]
     heading: Array  # (B, n) from the world's x axis, not wrapped [rad]
     yaw_rate: Array  # (B, n) [rad/s]
+    # (B, n, 2) integral since the start of what ideal accelerometers feel ahead and to the left, gravity in a tilted
+    # robot included [m/s]: differences between two times are velocity increments, as inertial units give them.
+    specific_impulse_b: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class NavigationError:
+    """What the signals that local laws run on are off by, at the beginning of a gap and held through it."""
+
+    heading: Array  # (B, n) of the believed heading; it grows by the yaw rate's error [rad]
+    yaw_rate: Array  # (B, n) of the gyro, the believed bias taken off [rad/s]
+    acceleration_b: Array  # (B, n, 2) of the accelerometer, the believed bias taken off [m/s^2]
 
 
 class Plant(Protocol):
@@ -44,12 +56,23 @@ class Plant(Protocol):
         """Largest speed of a tyre along its wheel's plane against the ground so far, (B,) [m/s]; NaN without wheels."""
         ...
 
-    def step(self, force_w: Array, gap: float) -> Sequence[FleetState]:
+    @property
+    def odometry_w(self) -> Array:
+        """Velocity by wheels and accelerometer, (B, n, 2) [m/s]; NaN without wheels."""
+        ...
+
+    @property
+    def reference_w(self) -> Array:
+        """Velocity of the point mass that the robots imitate, (B, n, 2) [m/s]; NaN where they are point masses."""
+        ...
+
+    def step(self, force_w: Array, gap: float, error: NavigationError | None = None) -> Sequence[FleetState]:
         """Advances all robots under a held force command.
 
         Args:
             force_w: Total command on each robot, (B, n, 2) [N].
             gap: Time until the next event [s].
+            error: Of what local laws run on; None: ideal sensors and a known heading.
 
         Returns:
             The states passed through, at most `LOOK_PERIOD` apart, the last one at the end of the gap.

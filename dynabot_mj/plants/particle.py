@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from dynabot_mj.arrays import Array, BoolArray
-from dynabot_mj.plants import LOOK_PERIOD, FleetState
+from dynabot_mj.plants import LOOK_PERIOD, FleetState, NavigationError
 
 _TOP_SPEED = 1e3  # beyond it the sampled loop has blown up: a hundred times what a Dynabot can do [m/s]
 _HEADING_RATE = 3.0  # largest rate at which the heading follows the velocity [rad/s]
@@ -37,7 +37,12 @@ class ParticlePlant:
         self._mass = mass
         zero = np.zeros_like(position_w)
         self._state = FleetState(
-            time=0.0, position_w=position_w.copy(), velocity_w=zero, heading=heading.copy(), yaw_rate=zero[..., 0]
+            time=0.0,
+            position_w=position_w.copy(),
+            velocity_w=zero,
+            heading=heading.copy(),
+            yaw_rate=zero[..., 0],
+            specific_impulse_b=zero,
         )
         self._diverged = np.zeros(len(position_w), dtype=bool)
 
@@ -61,11 +66,21 @@ class ParticlePlant:
         """NaN: there are no wheels, (B,) [m/s]."""
         return np.full(len(self._diverged), np.nan)
 
-    def step(self, force_w: Array, gap: float) -> Sequence[FleetState]:
-        """Advances exactly; see `Plant.step`."""
+    @property
+    def odometry_w(self) -> Array:
+        """NaN: there are no wheels, (B, n, 2) [m/s]."""
+        return np.full_like(self._state.velocity_w, np.nan)
+
+    @property
+    def reference_w(self) -> Array:
+        """NaN: a point mass imitates nothing, (B, n, 2) [m/s]."""
+        return np.full_like(self._state.velocity_w, np.nan)
+
+    def step(self, force_w: Array, gap: float, error: NavigationError | None = None) -> Sequence[FleetState]:
+        """Advances exactly; see `Plant.step`. There are no local laws that the error would mislead."""
         looks = math.ceil(gap / LOOK_PERIOD - 1e-9)
         start, states = self._state, []
-        heading, interval = start.heading, gap / looks
+        heading, impulse_b, interval = start.heading, start.specific_impulse_b, gap / looks
         acceleration_w = force_w / self._mass
         slow = np.abs(start.velocity_w + gap * acceleration_w) < _TOP_SPEED  # not so where it is NaN
         self._diverged = self._diverged | ~slow.all(axis=(1, 2))
@@ -78,6 +93,7 @@ class ParticlePlant:
             velocity_w = start.velocity_w + s * acceleration_w
             position_w = start.position_w + s * start.velocity_w + (0.5 * s * s) * acceleration_w
             turned = _follow(heading, velocity_w, interval)
+            impulse_b = impulse_b + interval * _in_body(acceleration_w, 0.5 * (heading + turned))
             states.append(
                 FleetState(
                     # Rounded, so that sums of many gaps do not drift off the timer.
@@ -86,6 +102,7 @@ class ParticlePlant:
                     velocity_w=velocity_w,
                     heading=turned,
                     yaw_rate=(turned - heading) / interval,
+                    specific_impulse_b=impulse_b,
                 )
             )
             heading = turned
@@ -100,3 +117,10 @@ def _follow(heading: Array, velocity_w: Array, interval: float) -> Array:
     most = _HEADING_RATE * interval
     moving = vx * vx + vy * vy >= _HEADING_SPEED**2
     return heading + np.where(moving, np.clip(error, -most, most), 0.0)
+
+
+def _in_body(vector_w: Array, heading: Array) -> Array:
+    """Returns a vector in body axes, ahead and to the left, (B, n, 2)."""
+    cos, sin = np.cos(heading), np.sin(heading)
+    x, y = vector_w[..., 0], vector_w[..., 1]
+    return np.stack([cos * x + sin * y, cos * y - sin * x], axis=-1)

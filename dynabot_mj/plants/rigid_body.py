@@ -1,7 +1,8 @@
 """MuJoCo models of the Dynabot, all trials stepped at once, each robot tracking its force command with its local laws.
 
 The laws run on what the robot has on board: yaw rate from the gyro, forward speed from wheel speeds and accelerometer
-(`controllers.odometry`); its heading is known to it. Or on the truth, to tell one's errors from the other's.
+(`controllers.odometry`), and its heading. Those are ideal, or as wrong as the perception says. Or the laws run on the
+truth, to tell one's errors from the other's.
 
 The local laws run at a period of their own, the gap divided so that it is at most 39 ms: at the 156 ms of the coupled
 EKF they would limit-cycle. The physics step divides that period again. Both divide evenly, so nothing drifts.
@@ -9,7 +10,7 @@ EKF they would limit-cycle. The physics step divides that period again. Both div
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -20,8 +21,8 @@ from controllers.odometry import Odometry
 from controllers.steering import HandPoint, Heading
 from controllers.traction import Traction
 from dynabot_mj import scene
-from dynabot_mj.arrays import Array, BoolArray
-from dynabot_mj.plants import LOOK_PERIOD, FleetState
+from dynabot_mj.arrays import Array, BoolArray, measured
+from dynabot_mj.plants import LOOK_PERIOD, FleetState, NavigationError, free_joint
 
 LOCAL_PERIOD = 0.039  # longest period of the local laws [s]
 PHYSICS_STEP = 0.005  # longest physics step [s]; the contacts behave alike from 0.5 to 5 ms
@@ -48,7 +49,8 @@ class LocalLaws:
     steering: HandPoint | Heading
     traction: Traction
     odometry: Odometry = _ODOMETRY
-    on_board: bool = True  # False: they know the true speed and yaw rate
+    on_board: bool = True  # False: they know the true speed, heading and yaw rate
+    wheel_resolution: float = 0.0  # of the wheel speeds, where sensors have errors [rad/s]
 
 
 class RigidBodyPlant:
@@ -95,14 +97,21 @@ class RigidBodyPlant:
         self._hull_sensors = [int(model.sensor(f"{scene.prefix(i)}hull_contact").adr[0]) for i in range(robots)]
         self._qpos[..., :2] = position_w
         self._qpos[..., 2] = robot.height
-        self._qpos[..., 3:7] = _turned(heading, np.array(robot.orientation))
+        self._qpos[..., 3:7] = free_joint.turned(heading, np.array(robot.orientation))
         self._reference = steering.rest(heading.shape)
         self._velocity_w = np.zeros_like(position_w)
         self._diverged = np.zeros(trials, dtype=bool)
         self._hull_contact = np.zeros(trials, dtype=bool)
         self._wheel_slip = np.zeros(trials)
+        # Views of what changes beneath them, components first.
+        self._quaternion = np.moveaxis(self._qpos[..., 3:7], -1, 0)
+        self._linear_w, self._spin_b = np.moveaxis(self._qvel[..., :3], -1, 0), np.moveaxis(self._qvel[..., 3:6], -1, 0)
+        self._gravity_w = model.opt.gravity[:, None, None].copy()
         self._heading = heading.copy()
-        self._state = self._read(0.0)
+        self._axes_w = free_joint.orientation(self._quaternion).horizontal_w
+        self._velocity_before_w = self._linear_w.copy()
+        self._impulse_b = np.zeros((2, trials, robots))
+        self._state = self._read(0.0, 0.0)
         self._sensed = self._state
 
     @property
@@ -125,7 +134,17 @@ class RigidBodyPlant:
         """Largest speed of a tyre along its wheel's plane against the ground so far, (B,) [m/s]."""
         return self._wheel_slip
 
-    def step(self, force_w: Array, gap: float) -> Sequence[FleetState]:
+    @property
+    def odometry_w(self) -> Array:
+        """Velocity by wheels and accelerometer, (B, n, 2) [m/s]."""
+        return self._velocity_w
+
+    @property
+    def reference_w(self) -> Array:
+        """Velocity of the point mass that the steering law imitates, (B, n, 2) [m/s]."""
+        return self._reference.velocity_w
+
+    def step(self, force_w: Array, gap: float, error: NavigationError | None = None) -> Sequence[FleetState]:
         """Advances by local-law periods and physics steps; see `Plant.step`."""
         locals_ = math.ceil(gap / LOCAL_PERIOD - 1e-9)
         period = gap / locals_
@@ -134,26 +153,30 @@ class RigidBodyPlant:
         per_look = max(1, int(LOOK_PERIOD / (period / steps) + 1e-9))
         start, states = self._state.time, []
         for local in range(locals_):
-            self._act(force_w, period)
+            self._act(force_w, period, _grown(error, local * period))
             done = 0
             while done < steps:
                 count = min(per_look, steps - done)
                 done += count
                 self._advance(count)
                 # Rounded, so that sums of many gaps do not drift off the timer.
-                self._state = self._read(round(start + period * (local + done / steps), 9))
+                time = round(start + period * (local + done / steps), 9)
+                self._state = self._read(time, count * period / steps)
                 self._wheel_slip = np.maximum(self._wheel_slip, self._slip())
                 states.append(self._state)
         return states
 
-    def _act(self, force_w: Array, period: float) -> None:
+    def _act(self, force_w: Array, period: float, error: NavigationError | None) -> None:
         """Runs the local laws and sets the motors' commands."""
         state, laws = self._state, self._laws
-        speed, yaw_rate = self._sense() if laws.on_board else (_along(state.velocity_w, state.heading), state.yaw_rate)
+        heading = state.heading if error is None else state.heading + error.heading
+        speed, yaw_rate = self._sense(heading, error)
+        if not laws.on_board:
+            heading, speed, yaw_rate = state.heading, _along(state.velocity_w, state.heading), state.yaw_rate
         self._reference, motion = steering.steer(
             self._reference,
             force_w,
-            state.heading,
+            heading,
             speed,
             mass=self._vehicle.mass,
             period=period,
@@ -162,21 +185,28 @@ class RigidBodyPlant:
         wheel_speed, torque = traction.drive(motion, speed, yaw_rate, vehicle=self._vehicle, gains=laws.traction)
         self._ctrl[..., 0], self._ctrl[..., 1] = wheel_speed, torque
 
-    def _sense(self) -> tuple[Array, Array]:
+    def _sense(self, heading: Array, error: NavigationError | None) -> tuple[Array, Array]:
         """Returns forward speed and yaw rate by wheels, accelerometer and gyro, (B, n) [m/s], [rad/s]."""
         before, now = self._sensed, self._state
+        spin = self._qvel[..., 5].copy()
         if now.time > before.time:
+            period = now.time - before.time
+            increment_w, wheel_speed = now.velocity_w - before.velocity_w, self._qvel[..., 6:]
+            if error is not None:
+                felt_b = now.specific_impulse_b - before.specific_impulse_b + period * error.acceleration_b
+                increment_w = _to_world(felt_b, heading - 0.5 * period * (spin + error.yaw_rate))
+                wheel_speed = measured(wheel_speed, self._laws.wheel_resolution)
             self._velocity_w = odometry.velocity(
                 self._velocity_w,
-                now.velocity_w - before.velocity_w,
-                now.heading,
-                self._qvel[..., 6:],
+                increment_w,
+                heading,
+                wheel_speed,
                 wheel_radius=self._vehicle.wheel_radius,
-                period=now.time - before.time,
+                period=period,
                 gains=self._laws.odometry,
             )
             self._sensed = now
-        return _along(self._velocity_w, now.heading), self._qvel[..., 5].copy()
+        return _along(self._velocity_w, heading), spin if error is None else spin + error.yaw_rate
 
     def _advance(self, steps: int) -> None:
         """Steps the trials that have not diverged."""
@@ -186,26 +216,28 @@ class RigidBodyPlant:
         self._diverged |= (self._batch.warning[:, _BREAKDOWNS, 1] > 0).any(axis=-1)
         self._hull_contact |= (self._sensors[:, self._hull_sensors] > 0.0).any(axis=-1)
 
-    def _read(self, time: float) -> FleetState:
-        """Copies the planar state out of the batch."""
-        w, x, y, z = np.moveaxis(self._qpos[..., 3:7], -1, 0)
-        yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-        # The free joint's angular velocity is in the body's frame; its world z component is the yaw rate.
-        spin = self._qvel[..., 3:6]
-        yaw_rate = (
-            2.0 * (x * z - w * y) * spin[..., 0]
-            + 2.0 * (y * z + w * x) * spin[..., 1]
-            + (1.0 - 2.0 * (x * x + y * y)) * spin[..., 2]
-        )
-        self._heading = self._heading + (yaw - self._heading + np.pi) % (2.0 * np.pi) - np.pi
+    def _read(self, time: float, interval: float) -> FleetState:
+        """Copies the planar state out of the batch, after an interval since it was last done."""
+        orientation = free_joint.orientation(self._quaternion)
+        self._heading = self._heading + (orientation.yaw - self._heading + np.pi) % (2.0 * np.pi) - np.pi
+        self._feel(orientation.horizontal_w, interval)
         state = FleetState(
             time=time,
             position_w=self._qpos[..., :2].copy(),
             velocity_w=self._qvel[..., :2].copy(),
             heading=self._heading,
-            yaw_rate=yaw_rate,
+            yaw_rate=orientation.yaw_rate(self._spin_b),
+            specific_impulse_b=self._impulse_b.transpose(1, 2, 0),
         )
         return self._frozen(state) if self._diverged.any() else state
+
+    def _feel(self, axes_w: Array, interval: float) -> None:
+        """Carries the accelerometers' integrals on over an interval that ends now."""
+        velocity_w = self._linear_w.copy()
+        self._impulse_b = self._impulse_b + free_joint.felt_increment_b(
+            0.5 * (self._axes_w + axes_w), velocity_w - self._velocity_before_w, interval, self._gravity_w
+        )
+        self._axes_w, self._velocity_before_w = axes_w, velocity_w
 
     def _slip(self) -> Array:
         """Returns the largest slip of a tyre along its wheel's plane now, (B,) [m/s]."""
@@ -227,6 +259,7 @@ class RigidBodyPlant:
             velocity_w=np.where(gone[:, None, None], last.velocity_w, state.velocity_w),
             heading=self._heading,
             yaw_rate=np.where(gone[:, None], last.yaw_rate, state.yaw_rate),
+            specific_impulse_b=np.where(gone[:, None, None], last.specific_impulse_b, state.specific_impulse_b),
         )
 
 
@@ -235,8 +268,13 @@ def _along(velocity_w: Array, heading: Array) -> Array:
     return velocity_w[..., 0] * np.cos(heading) + velocity_w[..., 1] * np.sin(heading)
 
 
-def _turned(heading: Array, orientation: Array) -> Array:
-    """Returns an orientation turned about the world's z axis, (B, n, 4)."""
-    cos, sin = np.cos(heading / 2.0), np.sin(heading / 2.0)
-    w, x, y, z = orientation
-    return np.stack([cos * w - sin * z, cos * x - sin * y, cos * y + sin * x, cos * z + sin * w], axis=-1)
+def _to_world(vector_b: Array, heading: Array) -> Array:
+    """Returns a vector given ahead and to the left in the world's axes, (B, n, 2)."""
+    cos, sin = np.cos(heading), np.sin(heading)
+    ahead, left = vector_b[..., 0], vector_b[..., 1]
+    return np.stack([cos * ahead - sin * left, sin * ahead + cos * left], axis=-1)
+
+
+def _grown(error: NavigationError | None, elapsed: float) -> NavigationError | None:
+    """Returns the errors some time after the gap's beginning."""
+    return None if error is None else replace(error, heading=error.heading + elapsed * error.yaw_rate)

@@ -125,8 +125,15 @@ def run(position_at, duration=20.0, formation=FORMATION, period=0.01):
 
     def state(time):
         position = np.asarray(position_at(time), float)[None]
-        zero = np.zeros(position.shape[:2])
-        return FleetState(time=time, position_w=position, velocity_w=0.0 * position, heading=zero, yaw_rate=zero)
+        zero = 0.0 * position
+        return FleetState(
+            time=time,
+            position_w=position,
+            velocity_w=zero,
+            heading=zero[..., 0],
+            yaw_rate=zero[..., 0],
+            specific_impulse_b=zero,
+        )
 
     scorer = Scorer(formation, np.zeros(2), state(0.0), duration)
     for k in range(round(duration / period)):
@@ -224,5 +231,6 @@ def test_top_speed_counts_the_fastest_robot():
         velocity_w=np.array([[[3.0, 4.0], [0.0, 0.0], [1.0, 0.0]]]),
         heading=np.zeros((1, 3)),
         yaw_rate=np.zeros((1, 3)),
+        specific_impulse_b=np.zeros((1, 3, 2)),
     )
     assert Scorer(FORMATION, np.zeros(2), state, 5.0).scores().top_speed[0] == pytest.approx(5.0)

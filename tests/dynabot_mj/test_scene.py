@@ -157,6 +157,29 @@ def test_a_slope_tilts_gravity_and_keeps_its_strength():
     assert model.opt.gravity[0] < 0.0  # downhill is -x
 
 
+def test_a_tether_pulls_outside_and_is_slack_inside():
+    model = scene.compose_tethered().compile()
+    data = mujoco.MjData(model)
+    for radius, pulls in ((6.9, False), (7.01, True)):
+        # The post is to the left.
+        data.qpos[:3] = 0.0, -radius, scene.read_robot().height
+        mujoco.mj_forward(model, data)
+        assert (data.sensor("tether_force").data[0] > 0.0) == pulls
+        # Tied to the front bumper, 0.25 m ahead of the centre, and level.
+        assert data.ten_length[0] == pytest.approx(np.hypot(0.25, radius), abs=1e-4)
+
+
+def test_a_tethered_field_has_its_conditions_and_survives_the_way_through_xml():
+    spec = scene.compose_tethered(scene.Conditions(slope=0.1, payload=2.0, friction=0.4))
+    model = spec.compile()
+    assert model.opt.gravity[0] < 0.0
+    assert model.body_mass.sum() == pytest.approx(14.0)  # the post weighs nothing
+    np.testing.assert_array_equal(model.pair_friction[:, 0], 0.4)
+    again = mujoco.MjModel.from_xml_string(spec.to_xml())
+    np.testing.assert_allclose(again.tendon_range, model.tendon_range)
+    np.testing.assert_allclose(again.tendon_solref_lim, model.tendon_solref_lim)
+
+
 def another(tmp_path, *replacements):
     """Writes the robot's file with some text replaced, and returns its conditions."""
     text = models.path("dynabot.xml").read_text(encoding="utf-8")

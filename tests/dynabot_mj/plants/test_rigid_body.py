@@ -257,3 +257,79 @@ def test_on_a_slope_it_creeps_downhill():
     speed = plant.state.velocity_w[0, 0]
     assert -0.07 < speed[0] < -0.03
     assert abs(speed[1]) < 1e-3
+
+
+def test_what_is_felt_is_what_mujocos_accelerometer_measures():
+    robots, step = 2, 0.005
+    plant = RigidBodyPlant(*place(3, robots), LAWS)
+    model = scene.compose(robots).compile()
+    address = [int(model.sensor(f"{scene.prefix(i)}accelerometer").adr[0]) for i in range(robots)]
+    random = np.random.default_rng(4)
+    impulse_b, bound, way = np.zeros((3, robots, 2)), np.zeros((3, robots)), 0.0
+    for _ in range(12):
+        force = random.uniform(-40.0, 40.0, (3, robots, 2))
+        for _ in range(40):
+            spin = np.abs(plant._qvel[..., 3:6])
+            # A gap of one physics step: the sensor then tells the acceleration that the step began with.
+            plant.step(force - 13.0 * plant.state.velocity_w, step)
+            felt_b = np.stack([plant._sensors[:, a : a + 3] for a in address], axis=1)
+            impulse_b += step * felt_b[..., :2]
+            way += step * np.linalg.norm(felt_b[..., :2], axis=-1)
+            # The sensor's axes are those at the beginning, the plant's the mean of both ends: half the step's rotation.
+            spin = np.maximum(spin, np.abs(plant._qvel[..., 3:6]))
+            across = spin[..., 2] * np.linalg.norm(felt_b[..., :2], axis=-1)
+            bound += step * 0.5 * step * (across + np.linalg.norm(spin[..., :2], axis=-1) * np.abs(felt_b[..., 2]))
+            error = np.linalg.norm(plant.state.specific_impulse_b - impulse_b, axis=-1)
+            assert (error < 1.1 * bound + 1e-5).all()
+    # The bound says something beside all that was felt.
+    assert (bound < 0.005 * way).all()
+
+
+def test_at_rest_on_the_level_nothing_is_felt():
+    plant = single(1)
+    push(plant, [0.0, 0.0], 2.0)
+    np.testing.assert_allclose(plant.state.specific_impulse_b, 0.0, atol=1e-3)
+
+
+def test_on_a_slope_gravity_is_felt_along_the_way_up():
+    heading = np.array([0.0, np.pi / 2.0, np.pi, -np.pi / 2.0])
+    plant = single(4, heading=heading, conditions=scene.Conditions(slope=0.1))
+    # Creeping at a steady speed, those that face along the slope; see above.
+    push(plant, [0.0, 0.0], 8.0, dissipation=13.0)
+    before = plant.state
+    push(plant, [0.0, 0.0], 1.0, dissipation=13.0)
+    felt_b = (plant.state.specific_impulse_b - before.specific_impulse_b)[:, 0] / (plant.state.time - before.time)
+    # The way up is ahead, to the right, behind, to the left. The lower tyres yield more, by the moment of 0.1 g about
+    # the ground: 2 x 4.4 mm x 0.1 x 0.092 m / 0.34 m at an axle, or 1.4 mrad.
+    up_b = np.array([[1.0, 0.0], [0.0, -1.0], [-1.0, 0.0], [0.0, 1.0]])
+    np.testing.assert_allclose(felt_b, 9.81 * np.sin(np.arctan(0.1)) * up_b, atol=0.02)
+
+
+def test_a_rigid_body_and_a_particle_feel_the_same_when_they_accelerate_straight():
+    rigid, particle = single(1), ParticlePlant(12.0, np.zeros((1, 1, 2)), np.zeros((1, 1)))
+    for plant in (rigid, particle):
+        push(plant, [12.0, 0.0], 2.0)
+    # 2 m/s; tilted back by 1.4 mrad, see above, the rigid body feels 14 mm/s^2 more.
+    np.testing.assert_allclose(rigid.state.specific_impulse_b, particle.state.specific_impulse_b, atol=0.06)
+    assert particle.state.specific_impulse_b[0, 0, 0] == pytest.approx(2.0, rel=0.02)
+
+
+def test_what_is_felt_does_not_depend_on_the_gap():
+    # Up to the laws' timing, which is the same here: 36 ms as one gap or as two of 18 would not be.
+    plant, same = single(2, heading=[0.0, 1.0]), single(2, heading=[0.0, 1.0])
+    for _ in range(20):
+        plant.step(np.full((2, 1, 2), 10.0), 0.072)
+        for _ in range(2):
+            same.step(np.full((2, 1, 2), 10.0), 0.036)
+    np.testing.assert_allclose(plant.state.specific_impulse_b, same.state.specific_impulse_b, atol=1e-9)
+
+
+def test_a_reset_simulation_keeps_what_it_felt_last():
+    plant = single(2)
+    push(plant, [12.0, 0.0], 0.5)
+    before = plant.state.specific_impulse_b
+    plant._qvel[1, 0, 0] = np.nan
+    push(plant, [12.0, 0.0], 0.5)
+    np.testing.assert_array_equal(plant.state.specific_impulse_b[1], before[1])
+    assert np.isfinite(plant.state.specific_impulse_b).all()
+    assert plant.state.specific_impulse_b[0, 0, 0] > 1.5 * before[0, 0, 0]
