@@ -1,0 +1,36 @@
+"""`dynabot estimate`."""
+
+import argparse
+from pathlib import Path
+
+from dynabot_mj.commands import parsers, results
+
+
+def add(commands: parsers.Commands) -> None:
+    """Registers the command."""
+    from estimation.build import IMPLEMENTATIONS, NAMES
+
+    command = parsers.command(commands, estimate, parsers.shared())
+    command.add_argument("log", type=Path, metavar="LOG", help="CSV or NetCDF of sensor samples, see docs/logs.md")
+    command.add_argument("--estimators", nargs="+", choices=NAMES, default=NAMES, help="default all")
+    command.add_argument(
+        "--filters", choices=IMPLEMENTATIONS, default=IMPLEMENTATIONS[0], help="implementation (default batched)"
+    )
+    parsers.add_out(command, "out/estimate")
+
+
+def estimate(options: argparse.Namespace) -> None:
+    """Runs estimators over a recorded log of sensor samples."""
+    from dynabot_mj import logs, progress, replay_figures
+    from dynabot_mj.experiments import estimate as experiment
+    from dynabot_mj.figures import save
+
+    log = logs.read(options.log)
+    folder = results.open_folder(options, "estimate")
+    with progress.shown("estimate") as tell:
+        found = experiment.run(options.log.name, log, options.estimators, options.filters, tell)
+    document, text = experiment.document(found), experiment.markdown(found)
+    with results.report(options, folder, "estimate", document, text) as stage:
+        for name, track in found.tracks.items():
+            (stage / f"track_{name}.csv").write_text(experiment.track_csv(track), encoding="utf-8")
+        save(replay_figures.replay(found), stage / "estimate.png")
