@@ -27,6 +27,11 @@ class Odometry:
     settling: float = 0.1  # q, sideways [1/s]
 
 
+# Ideal sensors have no bias to hold against. Real ones have: forward the filter bears accelerations that are wrong by
+# up to k s / 2, beyond which it would take the wheels for slipping.
+REAL_SENSORS = Odometry(correction=4.0, slip=0.3, settling=1.0)
+
+
 def velocity(
     velocity_w: Array,
     increment_w: Array,

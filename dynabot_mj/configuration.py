@@ -4,6 +4,7 @@ Precedence is defaults < TOML < command line. Whatever is wrong is told in one l
 """
 
 import json
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, fields
@@ -17,10 +18,11 @@ from controllers.potential_field import polygon_circumradius
 from dynabot_mj import scene
 from dynabot_mj.errors import InputError, one_line
 from dynabot_mj.scenario import Methods, Scenario, VehicleOptions, conditions, field, laws, mass, method, periods
+from estimation.parameters import Parameters
 
 _NONE: Mapping[str, Any] = {}
 # Tables of the options that are not top-level keys.
-_TABLES = {"utilisation": "processor", "headings": "start"} | {
+_TABLES = {"utilisation": "processor", "headings": "start", "implementation": "filter"} | {
     field.name: "vehicle" for field in fields(VehicleOptions)
 }
 
@@ -32,27 +34,32 @@ def load(text: str, origin: str, defaults: Mapping[str, Any] = _NONE, **options:
         text: TOML.
         origin: Where it comes from, for the messages.
         defaults: Top-level keys that stand where the text has none, in place of the configuration's own defaults.
-        **options: Top-level keys that override the text's, and `utilisation`, `headings` and the keys of `vehicle` of
-            their tables; None where not given.
+        **options: Top-level keys that override the text's, and `utilisation`, `headings`, `implementation` and the keys
+            of `vehicle` of their tables; None where not given.
 
     Raises:
         InputError: If the text is not TOML, or a key or a value is not allowed.
     """
-    try:
-        tree = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{origin} is not TOML: {error}") from error
-    return build({**defaults, **tree}, origin, **options)
+    return build({**defaults, **_parsed(text, origin)}, origin, **options)
 
 
 def load_file(path: Path, defaults: Mapping[str, Any] = _NONE, **options: Any) -> Scenario:
     """Reads a configuration file; see `load`."""
+    return build({**defaults, **read(path)}, str(path), **options)
+
+
+def read(path: Path) -> dict[str, Any]:
+    """Reads a TOML file as a tree of plain values.
+
+    Raises:
+        InputError: If it cannot be read or is not TOML.
+    """
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not a text file"
         raise InputError(f"cannot read the configuration {path}: {reason}") from error
-    return load(text, str(path), defaults, **options)
+    return _parsed(text, str(path))
 
 
 def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> Scenario:
@@ -124,6 +131,7 @@ def check(setup: Scenario) -> None:
             f"field.leader_range = {setup.field.leader_range:g} m given; it must reach the start, up to {farthest:g} m "
             "from the leader, or nothing draws the robots there"
         )
+    _check_perception(setup)
     if isinstance(setup.vehicle.friction, tuple) and setup.vehicle.friction[0] > setup.vehicle.friction[1]:
         low, high = setup.vehicle.friction
         raise InputError(f"vehicle.friction = {low:g}..{high:g} given, the first must not be above the second")
@@ -135,3 +143,33 @@ def check(setup: Scenario) -> None:
             f"mass = {setup.mass:g} kg given; with the rigid plant it must be the model's and its payload, "
             f"{rigid_mass:g} kg"
         )
+
+
+def _parsed(text: str, origin: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{origin} is not TOML: {error}") from error
+
+
+def _check_perception(setup: Scenario) -> None:
+    """Checks velocity sources, filters and sensors; see `check`."""
+    if setup.velocity in ("odometry", "reference") and "particle" in setup.plants:
+        raise InputError(f"velocity = {setup.velocity!r} given with the plant particle; it exists on rigid robots only")
+    if setup.filter.implementation == "filterpy" and setup.trials > 1:
+        raise InputError(
+            f"filter.implementation = 'filterpy' given with {setup.trials} trials; it filters one robot at a time and is "
+            "for single trials: 'batched' gives the same"
+        )
+    for parameter in fields(Parameters):
+        value = getattr(setup.filter, parameter.name)
+        if not 0.0 < value < (1.0 if parameter.name == "gate" else math.inf):
+            allowed = "between 0 and 1" if parameter.name == "gate" else "positive and finite"
+            raise InputError(f"filter.{parameter.name} = {value:g} given, it must be {allowed}")
+    for fault in setup.sensors.faults:
+        if not fault.start < fault.end:
+            raise InputError(f"sensors.faults: a fault from {fault.start:g} to {fault.end:g} s given, it never acts")
+        if fault.robots and max(fault.robots) >= setup.robots:
+            raise InputError(
+                f"sensors.faults: robot {max(fault.robots)} given, there are the robots 0 to {setup.robots - 1}"
+            )

@@ -66,6 +66,8 @@ class _Chunk:
         """Rough seconds of work, for the estimate of the remaining time and the order of the chunks."""
         per_trial = {"particle": 2e-4, "rigid": 1.5e-3 * self.setup.robots}[self.case.plant]
         events = 1e3 / scenario.periods(self.setup, self.case.estimator)[1]
+        if self.case.perception == "filter":
+            per_trial += 1e-5 * events * self.setup.robots
         return self.setup.duration * (len(self.trials) * per_trial + events * 3e-4)
 
 

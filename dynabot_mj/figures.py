@@ -31,7 +31,16 @@ METHOD_NAMES = {
 }
 PLANT_NAMES = {"particle": "point masses", "rigid": "rigid bodies"}
 
+PERCEPTION_NAMES = {
+    "gauss-markov": "Gauss-Markov error",
+    "filter": "filters",
+    "fitted": "fitted error",
+    "": "perfect",
+}
+PERCEPTION_COLOURS = {"gauss-markov": "#CC6677", "filter": "#117733", "fitted": "#88CCEE"}
+
 _PLANT_ALPHA = {"particle": 0.45, "rigid": 1.0}
+_PERCEPTION_HATCH = {"": "", "gauss-markov": "", "filter": "...", "fitted": "xxx"}
 
 STYLE: dict[Any, Any] = {
     "font.size": 10,
@@ -72,7 +81,10 @@ def trajectories(study: xr.Dataset, estimator: str) -> Figure:
             for axis in axes[:, column]:
                 _draw_paths(axis, case)
                 _draw_well(axis, setup, estimator)
-            axes[0, column].set_title(PLANT_NAMES[str(case.plant.item())])
+            title = PLANT_NAMES[str(case.plant.item())]
+            if len(set(study.perception.values) - {""}) > 1:
+                title += f", {PERCEPTION_NAMES[str(case.perception.item())]}"
+            axes[0, column].set_title(title, fontsize=10.5)
             # The same limits for both plants, so that the paths can be compared.
             edge = scenario.field(setup, "perfect").leader.radius + setup.field.width
             near = edge + 2.5
@@ -96,11 +108,13 @@ def table_iii(study: xr.Dataset) -> Figure:
     """Draws Table III as bars: paper, point masses and rigid bodies of each method, with intervals."""
     rows = compare.rows(study)
     estimators = list(dict.fromkeys(row.estimator for row in rows))
+    most = max(sum(row.estimator == estimator for row in rows) for estimator in estimators)
+    perceptions = list(dict.fromkeys(row.perception for row in rows if row.perception))
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(1, 3, figsize=(11.0, 4.0), layout="constrained")
         for index, estimator in enumerate(estimators):
             of_method = [row for row in rows if row.estimator == estimator]
-            _draw_method(axes, index, estimator, of_method)
+            _draw_method(axes, index, estimator, of_method, width=0.78 / (1 + most))
         for axis, title in zip(
             axes,
             ("settling time [s], mean ± sd", "collision rate [%]", "completion rate, method's own σ [%]"),
@@ -123,12 +137,68 @@ def table_iii(study: xr.Dataset) -> Figure:
                 Patch(facecolor="#444444", alpha=_PLANT_ALPHA[plant], label=PLANT_NAMES[plant])
                 for plant in dict.fromkeys(row.plant for row in rows)
             ),
+            *(
+                Patch(
+                    facecolor="white", edgecolor="#444444", hatch=_PERCEPTION_HATCH[name], label=PERCEPTION_NAMES[name]
+                )
+                for name in (perceptions if len(perceptions) > 1 else [])
+            ),
         ]
-        figure.legend(handles=legend, loc="outside lower center", ncols=3)
+        figure.legend(handles=legend, loc="outside lower center", ncols=min(len(legend), 6))
         robots, trials, seed = study.sizes["robot"], study.sizes["trial"], study.attrs["seed"]
         figure.suptitle(
             f"Table III of the paper and {trials} trials of {robots} robots here (seed {seed}); "
             "rates with 95 % Wilson intervals",
+            fontsize=11,
+        )
+    return figure
+
+
+def errors(study: xr.Dataset) -> Figure | None:
+    """Draws how large the errors of the robots' positions are in the loop, and how long they last.
+
+    Returns:
+        A panel for each estimator; None where the study has no errors.
+    """
+    cases = [study.isel(case=index) for index in range(study.sizes["case"])]
+    cases = [case for case in cases if float(case.position_autocovariance.isel(lag=0).mean()) > 0.0]
+    if not cases:
+        return None
+    estimators = list(dict.fromkeys(str(case.estimator.item()) for case in cases))
+    with plt.rc_context(STYLE):
+        figure, axes = plt.subplots(
+            1,
+            len(estimators),
+            figsize=(1.2 + 3.6 * len(estimators), 4.2),
+            sharey=True,
+            squeeze=False,
+            layout="constrained",
+        )
+        for axis, estimator in zip(axes[0], estimators, strict=True):
+            for case in (case for case in cases if case.estimator == estimator):
+                perception, plant = str(case.perception.item()), str(case.plant.item())
+                covariance = case.position_autocovariance.mean("trial").values
+                axis.plot(
+                    case.error_lag.values,
+                    covariance / covariance[0],
+                    "-" if plant == "rigid" else "--",
+                    marker="o",
+                    markersize=3,
+                    color=PERCEPTION_COLOURS[perception],
+                    label=f"{PERCEPTION_NAMES[perception]}, {PLANT_NAMES[plant]}: {math.sqrt(covariance[0]):.2f} m",
+                )
+            axis.set_xscale("symlog", linthresh=0.05, linscale=0.3)
+            axis.set_xlim(0.0, 40.0)
+            axis.set_xticks([0.0, 0.1, 1.0, 10.0], ["0", "0.1", "1", "10"])
+            axis.axhline(0.0, color="#888888", linewidth=0.8)
+            axis.set_title(METHOD_NAMES[estimator].replace("\n", " "))
+            axis.set_xlabel("lag [s]")
+            axis.legend(fontsize=7.5, loc="upper center", bbox_to_anchor=(0.5, -0.16))
+        axes[0, 0].set_ylabel("autocorrelation of the position error")
+        trials, seed = study.sizes["trial"], study.attrs["seed"]
+        figure.suptitle(
+            f"What robots believe of their position in the loop, and its root mean square per axis; {trials} trials, "
+            f"seed {seed}",
             fontsize=11,
         )
     return figure
@@ -172,9 +242,9 @@ def _caption(study: xr.Dataset, setup: Scenario, estimator: str) -> str:
     return f"{name}, T_c = {1e3 * period:g} ms, trial {setup.first_trial} of seed {setup.seed}"
 
 
-def _draw_method(axes: Sequence[Axes], index: int, estimator: str, rows: Sequence[Row]) -> None:
+def _draw_method(axes: Sequence[Axes], index: int, estimator: str, rows: Sequence[Row], width: float) -> None:
     """Draws one method's group of bars into the three panels."""
-    colour, width = METHOD_COLOURS[estimator], 0.26
+    colour = METHOD_COLOURS[estimator]
     paper = testbed.TABLE_III[estimator]
     published = [
         (paper.settling, paper.settling_sd or 0.0, paper.settling_sd or 0.0),
@@ -190,13 +260,15 @@ def _draw_method(axes: Sequence[Axes], index: int, estimator: str, rows: Sequenc
             _percent(row.collision),
             _percent(row.completion),
         ]
-        groups.append((shown, {"facecolor": colour, "alpha": _PLANT_ALPHA[row.plant]}))
+        hatch = _PERCEPTION_HATCH[row.perception or ""]
+        look = {"facecolor": colour, "alpha": _PLANT_ALPHA[row.plant], "hatch": hatch, "edgecolor": "white"}
+        groups.append((shown, look if hatch else {**look, "edgecolor": "none"}))
     for bar, (values, look) in enumerate(groups):
-        place = index + (bar - (len(groups) - 1) / 2.0) * (width + 0.03)
+        place = index + (bar - (len(groups) - 1) / 2.0) * (1.1 * width)
         for axis, (height, below, above) in zip(axes, values, strict=True):
             axis.bar(place, height, width, **look)
             axis.errorbar(
-                place, height, [[below], [above]], color="#222222", linewidth=1.0, capsize=2.5, linestyle="none"
+                place, height, [[below], [above]], color="#222222", linewidth=1.0, capsize=6.0 * width, linestyle="none"
             )
 
 

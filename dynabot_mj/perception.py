@@ -1,6 +1,7 @@
 """What each robot believes of itself when it samples.
 
-One protocol, an implementation per kind of belief; the loop cannot tell which it has.
+One protocol, an implementation per kind of belief; the loop cannot tell which it has. Filters on simulated sensors are
+`filter_perception`'s.
 """
 
 from collections.abc import Sequence
@@ -10,9 +11,10 @@ from typing import Protocol
 import numpy as np
 
 from dynabot_mj.arrays import Array, BoolArray
-from dynabot_mj.plants import FleetState
+from dynabot_mj.plants import FleetState, NavigationError
 from dynabot_mj.streams import Draws, Purpose
 from estimation import gauss_markov
+from estimation.gauss_markov import Component
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,12 +23,14 @@ class Belief:
 
     position_w: Array  # (B, n, 2) [m]
     velocity_w: Array  # (B, n, 2) [m/s]
+    known: BoolArray  # (B, n) whether it knows where it is at all; one that does not neither acts nor broadcasts
 
     def renewed(self, fresh: "Belief", due: BoolArray) -> "Belief":
         """Returns this belief with that of the robots that are due, (B, n), replaced by a fresh one."""
         return Belief(
             position_w=np.where(due[..., None], fresh.position_w, self.position_w),
             velocity_w=np.where(due[..., None], fresh.velocity_w, self.velocity_w),
+            known=np.where(due, fresh.known, self.known),
         )
 
 
@@ -42,16 +46,68 @@ class Perception(Protocol):
         """
         ...
 
+    def look(self, state: FleetState) -> None:
+        """Takes a true state between samples: sensors have rates of their own."""
+        ...
 
-class PerfectPerception:
+    def navigation_error(self, time: float) -> NavigationError | None:
+        """Returns what the local laws' signals are off by at a time [s]; None: they are ideal."""
+        ...
+
+
+class _Ideal:
+    """What perceptions without sensors of their own have in common."""
+
+    def look(self, state: FleetState) -> None:
+        """Nothing is sensed between samples."""
+
+    def navigation_error(self, time: float) -> NavigationError | None:
+        """Local laws have ideal signals."""
+        return None
+
+
+class PerfectPerception(_Ideal):
     """True position and velocity: the row "perfect information" of Table III."""
 
     def observe(self, state: FleetState, due: BoolArray) -> Belief:
         """Returns the true state."""
-        return Belief(position_w=state.position_w, velocity_w=state.velocity_w)
+        return Belief(position_w=state.position_w, velocity_w=state.velocity_w, known=np.ones_like(due))
 
 
-class GaussMarkovPerception:
+class ErrorSequence:
+    """An error of every robot: a sum of Gauss-Markov sequences, sampled with the robots."""
+
+    def __init__(
+        self, components: Sequence[Component], sample_period: float, shape: tuple[int, ...], draws: Draws
+    ) -> None:
+        """Starts with errors from the stationary distribution.
+
+        Args:
+            components: That are added up.
+            sample_period: T_s [s].
+            shape: Of one sample, (B, n, ...).
+            draws: Standard normal numbers, (B, n, ..., components) each.
+        """
+        self._components, self._draws = tuple(components), draws
+        self._rho = [gauss_markov.correlation(sample_period, component.time) for component in components]
+        self._zero = np.zeros(shape)
+        self._errors = [self._zero for _ in components]
+        self._started = np.zeros(shape[:2], dtype=bool)
+
+    def next(self, due: BoolArray) -> Array:
+        """Returns the error of this sample; that of robots that are not due stays, (B, n, ...)."""
+        normal, trailing = self._draws.next(), (1,) * (self._zero.ndim - 2)
+        started, drawn = (mask.reshape(*mask.shape, *trailing) for mask in (self._started, due))
+        for index, (component, rho) in enumerate(zip(self._components, self._rho, strict=True)):
+            sigma, own = component.deviation, normal[..., index]
+            before = self._errors[index]
+            error = np.where(started, gauss_markov.following(before, sigma, rho, own), gauss_markov.first(sigma, own))
+            self._errors[index] = np.where(drawn, error, before)
+        self._started = self._started | due
+        return sum(self._errors, self._zero)
+
+
+class GaussMarkovPerception(_Ideal):
     """True state plus the Gauss-Markov position error of Sec. IV; the velocity is exact."""
 
     def __init__(
@@ -73,20 +129,74 @@ class GaussMarkovPerception:
             seed: Seed of the study.
             trials: Numbers of the trials, length B.
         """
-        self._sigma = uncertainty / np.sqrt(2.0)
-        self._rho = gauss_markov.correlation(sample_period, correlation_time)
-        self._normal = Draws(seed, trials, Purpose.ESTIMATION_ERROR, (robots, 2), normal=True)
-        self._error = np.zeros((len(trials), robots, 2))
-        self._started = np.zeros((len(trials), robots), dtype=bool)
+        self._error = ErrorSequence(
+            [Component(deviation=uncertainty / np.sqrt(2.0), time=correlation_time)],
+            sample_period,
+            (len(trials), robots, 2),
+            Draws(seed, trials, Purpose.ESTIMATION_ERROR, (robots, 2, 1), normal=True),
+        )
 
     def observe(self, state: FleetState, due: BoolArray) -> Belief:
         """Returns the true state with the position off by the errors of this sample."""
-        normal = self._normal.next()
-        error = np.where(
-            self._started[..., None],
-            gauss_markov.following(self._error, self._sigma, self._rho, normal),
-            gauss_markov.first(self._sigma, normal),
+        return Belief(
+            position_w=state.position_w + self._error.next(due),
+            velocity_w=state.velocity_w,
+            known=np.ones_like(due),
         )
-        self._error = np.where(due[..., None], error, self._error)
-        self._started = self._started | due
-        return Belief(position_w=state.position_w + self._error, velocity_w=state.velocity_w)
+
+
+class FittedPerception:
+    """True state plus errors with the statistics that an estimator's have in the loop: how large, and for how long."""
+
+    def __init__(
+        self,
+        position: Sequence[Component],
+        velocity: Sequence[Component],
+        heading: Sequence[Component],
+        sample_period: float,
+        robots: int,
+        seed: int,
+        trials: Sequence[int],
+    ) -> None:
+        """Starts with errors from the stationary distribution.
+
+        Args:
+            position: Of the position, per axis [m].
+            velocity: Of the velocity, per axis [m/s].
+            heading: Of the heading that local laws use [rad].
+            sample_period: T_s [s].
+            robots: Number of robots n.
+            seed: Seed of the study.
+            trials: Numbers of the trials, length B.
+        """
+        shape = (len(trials), robots)
+        purposes = (Purpose.FITTED_POSITION, Purpose.FITTED_VELOCITY, Purpose.FITTED_HEADING)
+        self._position, self._velocity, self._heading = (
+            ErrorSequence(
+                components,
+                sample_period,
+                (*shape, *axes),
+                Draws(seed, trials, purpose, (robots, *axes, len(components)), normal=True),
+            )
+            for components, axes, purpose in zip((position, velocity, heading), ((2,), (2,), ()), purposes, strict=True)
+        )
+        self._heading_error = np.zeros(shape)
+
+    def observe(self, state: FleetState, due: BoolArray) -> Belief:
+        """Returns the true state with the errors of this sample."""
+        self._heading_error = self._heading.next(due)
+        return Belief(
+            position_w=state.position_w + self._position.next(due),
+            velocity_w=state.velocity_w + self._velocity.next(due),
+            known=np.ones_like(due),
+        )
+
+    def look(self, state: FleetState) -> None:
+        """Nothing is sensed between samples."""
+
+    def navigation_error(self, time: float) -> NavigationError:
+        """Returns the heading's error; gyro and accelerometer have none here."""
+        zero = np.zeros_like(self._heading_error)
+        return NavigationError(
+            heading=self._heading_error, yaw_rate=zero, acceleration_b=np.stack([zero, zero], axis=-1)
+        )

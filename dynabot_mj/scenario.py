@@ -11,10 +11,10 @@ from dataclasses import replace
 from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
-from pydantic import ConfigDict, Field
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from controllers import gains
+from controllers import gains, odometry
 from controllers.potential_field import PotentialField, Well, polygon_circumradius
 from controllers.steering import HandPoint, Heading
 from dynabot_mj import scene, schedule, testbed
@@ -22,11 +22,17 @@ from dynabot_mj.arrays import Array
 from dynabot_mj.errors import InputError
 from dynabot_mj.plants.rigid_body import LocalLaws
 from dynabot_mj.radio import INSTANT_LINK, Link, dynabot_link
+from dynabot_mj.sensors import SensorOptions
 from dynabot_mj.streams import Purpose, generators
+from dynabot_mj.validation import STRICT, NotNegative, Positive
+from estimation.build import Implementation, Name
+from estimation.gauss_markov import Component
+from estimation.parameters import Parameters
 
 PlantName = Literal["particle", "rigid"]
 EstimatorName = Literal["perfect", "gps", "decoupled", "coupled"]
-PerceptionName = Literal["gauss-markov"]
+PerceptionName = Literal["gauss-markov", "filter", "fitted"]
+VelocityName = Literal["auto", "estimate", "truth", "odometry", "reference"]
 HeadingChoice = Literal["random", "leader"]
 SteeringName = Literal["hand-point", "heading"]
 SensingName = Literal["on-board", "truth"]
@@ -34,18 +40,16 @@ SensingName = Literal["on-board", "truth"]
 PLANTS: tuple[PlantName, ...] = get_args(PlantName)
 ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
 PERCEPTIONS: tuple[PerceptionName, ...] = get_args(PerceptionName)
+VELOCITIES: tuple[VelocityName, ...] = get_args(VelocityName)
 HEADINGS: tuple[HeadingChoice, ...] = get_args(HeadingChoice)
 STEERINGS: tuple[SteeringName, ...] = get_args(SteeringName)
 SENSINGS: tuple[SensingName, ...] = get_args(SensingName)
 
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 PositiveOrInfinite = Annotated[float, Field(gt=0.0)]
 Friction = Annotated[float, Field(ge=0.05, le=1.5)]
-_STRICT = ConfigDict(extra="forbid", strict=True)
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class Method:
     """One row of Table III: an estimator, and the gains and periods that go with it."""
 
@@ -69,7 +73,7 @@ def _method(name: str, **others: Any) -> Method:
     )
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class Methods:
     """The rows that can be compared."""
 
@@ -81,7 +85,7 @@ class Methods:
     coupled: Method = _method("coupled")
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class FieldOptions:
     """The potential field but for its gains, which belong to the method."""
 
@@ -94,7 +98,7 @@ class FieldOptions:
     dissipation: NotNegative = 13.0  # c [N s/m]; ours
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class StartOptions:
     """The start: at rest, in a regular polygon whose centroid is some way from the leader, turned at random."""
 
@@ -103,7 +107,7 @@ class StartOptions:
     headings: HeadingChoice = "random"  # random: uniform; leader: facing the leader
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class VehicleOptions:
     """The rigid robots, the ground, and the local laws that make them follow their force commands."""
 
@@ -117,7 +121,7 @@ class VehicleOptions:
     gains: str = "tuned"  # of the local laws: a set of controllers/gains, or the path of a gain file
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class ProcessorOptions:
     """The processor that the tasks share."""
 
@@ -126,21 +130,64 @@ class ProcessorOptions:
     tick: Positive = schedule.TICK  # of the timer [s]
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class RadioOptions:
     """The messages."""
 
     message_bytes: Annotated[int, Field(ge=1, le=testbed.RADIO_MAX_BYTES)] = 20  # N of Eqs. 4-5; ours
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class SurrogateOptions:
     """The Gauss-Markov error that stands for an estimator."""
 
     correlation_time: Positive = 0.08  # tau [s]; ours
 
 
-@dataclass(frozen=True, kw_only=True, config=_STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FilterOptions(Parameters):
+    """The real filters: what they assume of the sensors, and how they are run."""
+
+    implementation: Implementation = "batched"  # filterpy: FilterPy's own, one robot at a time
+    alignment: NotNegative = 4.0  # time at rest before the start [s]; ours
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class ErrorComponent(Component):
+    """A Gauss-Markov sequence, one of those that an error is the sum of."""
+
+    deviation: NotNegative  # sigma, per axis [m], [m/s] or [rad]
+    time: Positive  # tau [s]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FittedError:
+    """Errors with the statistics of an estimator's in the loop."""
+
+    position: tuple[ErrorComponent, ...]  # per axis [m]
+    velocity: tuple[ErrorComponent, ...] = ()  # per axis [m/s]; (): exact
+    heading: tuple[ErrorComponent, ...] = ()  # that local laws use [rad]; (): exact
+
+
+def _error(**parts: Sequence[tuple[float, float]]) -> FittedError:
+    return FittedError(
+        **{
+            name: tuple(ErrorComponent(deviation=sigma, time=tau) for sigma, tau in pairs)
+            for name, pairs in parts.items()
+        }
+    )
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FittedOptions:
+    """The surrogate that has the filters' measured statistics; `compare --perception filter` writes such a table."""
+
+    gps: FittedError = _error(position=[(1.0, 0.11), (0.77, 75.0)], velocity=[(0.12, 0.15)], heading=[(0.05, 5.0)])
+    decoupled: FittedError = _error(position=[(0.80, 60.0)], velocity=[(0.08, 2.0)], heading=[(0.05, 5.0)])
+    coupled: FittedError = _error(position=[(0.78, 60.0)], velocity=[(0.08, 2.0)], heading=[(0.05, 5.0)])
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class Scenario:
     """A study: which robots, which methods, how many trials."""
 
@@ -151,7 +198,10 @@ class Scenario:
     duration: Annotated[float, Field(gt=0.0, le=10_000.0, allow_inf_nan=False)] = 80.0  # [s]; ours
     plants: Annotated[tuple[PlantName, ...], Field(min_length=1)] = PLANTS
     estimators: Annotated[tuple[EstimatorName, ...], Field(min_length=1)] = ESTIMATORS
-    perception: Annotated[tuple[PerceptionName, ...], Field(min_length=1)] = PERCEPTIONS
+    perception: Annotated[tuple[PerceptionName, ...], Field(min_length=1)] = ("gauss-markov",)
+    # Of the dissipation. auto: the true one for perfect and gauss-markov, else the estimated one, on both plants alike.
+    # odometry (wheels and accelerometer) and reference (of the steering law) exist on the rigid plant only.
+    velocity: VelocityName = "auto"
     mass: Positive | Literal["auto"] = "auto"  # of a particle [kg]; auto: that of the rigid robot with its payload
     collision_distance: Positive = 0.40  # between two centres, below which they have collided [m]; ours
     field: FieldOptions = FieldOptions()
@@ -160,6 +210,9 @@ class Scenario:
     processor: ProcessorOptions = ProcessorOptions()
     radio: RadioOptions = RadioOptions()
     surrogate: SurrogateOptions = SurrogateOptions()
+    sensors: SensorOptions = SensorOptions()
+    filter: FilterOptions = FilterOptions()
+    fitted: FittedOptions = FittedOptions()
     method: Methods = Methods()
 
 
@@ -211,8 +264,32 @@ def mass(setup: Scenario) -> float:
     return scene.read_robot(conditions(setup)).vehicle.mass if setup.mass == "auto" else setup.mass
 
 
-def laws(setup: Scenario) -> LocalLaws:
+def velocity(setup: Scenario, case: Case) -> VelocityName:
+    """Returns where the velocity of a case's dissipation comes from."""
+    if setup.velocity != "auto":
+        return setup.velocity
+    return "truth" if case.perception in (None, "gauss-markov") else "estimate"
+
+
+def filter_name(case: Case) -> Name:
+    """Returns the estimator of a case as the filters call it; `perfect` has none."""
+    if case.estimator == "perfect":
+        raise ValueError("perfect information has no filter")
+    return case.estimator
+
+
+def fitted(setup: Scenario, estimator: EstimatorName) -> FittedError:
+    """Returns the errors of the fitted surrogate."""
+    found: FittedError = getattr(setup.fitted, estimator)
+    return found
+
+
+def laws(setup: Scenario, *, real_sensors: bool = False) -> LocalLaws:
     """Returns the local laws of the rigid robots.
+
+    Args:
+        setup: The study's configuration.
+        real_sensors: Whether accelerometer, gyro and heading have errors.
 
     Raises:
         InputError: If there are no such gains.
@@ -222,7 +299,16 @@ def laws(setup: Scenario) -> LocalLaws:
     except (FileNotFoundError, ValueError) as error:
         raise InputError(str(error)) from error
     steering: HandPoint | Heading = found.hand_point if setup.vehicle.steering == "hand-point" else found.heading
-    return LocalLaws(steering=steering, traction=found.traction, on_board=setup.vehicle.sensing == "on-board")
+    on_board = setup.vehicle.sensing == "on-board"
+    if not real_sensors:
+        return LocalLaws(steering=steering, traction=found.traction, on_board=on_board)
+    return LocalLaws(
+        steering=steering,
+        traction=found.traction,
+        odometry=odometry.REAL_SENSORS,
+        on_board=on_board,
+        wheel_resolution=setup.sensors.wheels.speed,
+    )
 
 
 def inputs(setup: Scenario) -> dict[str, str]:

@@ -6,7 +6,7 @@ makes the comparison fair.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -14,8 +14,10 @@ import numpy.typing as npt
 from controllers import potential_field
 from dynabot_mj import scenario, scene
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.error_statistics import ErrorRecorder, ErrorStatistics
+from dynabot_mj.filter_perception import FilterPerception
 from dynabot_mj.metrics import Formation, Scorer, Scores, interpolate
-from dynabot_mj.perception import Belief, GaussMarkovPerception, Perception, PerfectPerception
+from dynabot_mj.perception import Belief, FittedPerception, GaussMarkovPerception, Perception, PerfectPerception
 from dynabot_mj.plants import FleetState, Plant
 from dynabot_mj.plants.particle import ParticlePlant
 from dynabot_mj.plants.rigid_body import RigidBodyPlant
@@ -23,6 +25,7 @@ from dynabot_mj.radio import Radio
 from dynabot_mj.scenario import Case, Scenario
 from dynabot_mj.streams import Purpose, generators
 from dynabot_mj.testbed import SETTLING_SHARE
+from estimation.build import build
 
 LEADER_W = np.zeros(2)  # the leader's position, known to every robot exactly and at once [m]
 TRAJECTORY_INTERVAL = 0.1  # between the recorded positions [s]
@@ -64,6 +67,7 @@ class Outcome:
     hull_contact: Array  # (B,) 1 or 0; NaN for point masses
     wheel_slip: Array  # (B,) largest [m/s]; NaN for point masses
     message_age: Array  # (B,) mean age of the positions acted on [s]; NaN without neighbours heard
+    errors: ErrorStatistics  # of what the robots believe
     final_position_w: Array  # (B, n, 2) [m]
     final_heading: Array  # (B, n) [rad]
     time: Array  # (K,) of the trajectory [s]
@@ -102,12 +106,15 @@ def simulate(
         phase = np.zeros(setup.robots, dtype=np.int64)
     clocks = Clocks(sample_ticks=sample_ticks, control_ticks=control_ticks, phase=phase)
     plant = make_plant(setup, case, position_w, heading, trials, threads)
-    perception = _perception(setup, case, sample_ticks * tick, trials)
+    perception = _perception(setup, case, sample_ticks * tick, trials, plant.state)
+    velocity = _velocity(setup, case, plant)
     radio = Radio(scenario.link(setup, case.estimator), setup.robots, setup.seed, trials)
     field = scenario.field(setup, case.estimator)
     scorer = Scorer(make_formation(setup, case, field), LEADER_W, plant.state, duration_ticks * tick)
     recorder = _Recorder(plant.state, recorded, duration_ticks * tick)
-    belief = Belief(position_w=position_w, velocity_w=np.zeros_like(position_w))
+    errors = ErrorRecorder(sample_ticks * tick, heading.shape)
+    unknown = np.zeros(heading.shape, dtype=bool)
+    belief = Belief(position_w=position_w, velocity_w=np.zeros_like(position_w), known=unknown)
     force_w = np.zeros_like(position_w)
     age_sum, age_count = np.zeros(len(trials)), np.zeros(len(trials))
 
@@ -117,19 +124,23 @@ def simulate(
             np.broadcast_to(clocks.due(now, period), heading.shape) for period in (sample_ticks, control_ticks)
         )
         if sampling.any():
-            belief = belief.renewed(perception.observe(state, sampling), sampling)
-            radio.broadcast(belief.position_w, time, sampling)
+            fresh = perception.observe(state, sampling)
+            errors.take(fresh, state, perception.navigation_error(state.time), sampling)
+            belief = belief.renewed(replace(fresh, velocity_w=velocity(fresh)), sampling)
+            radio.broadcast(belief.position_w, time, sampling & belief.known)
         if acting.any():
             heard = radio.heard(time)
             command_w = potential_field.total_force(
                 belief.position_w, belief.velocity_w, LEADER_W, heard.position_w, heard.known, field
             )
+            command_w = np.where(belief.known[..., None], command_w, 0.0)
             force_w = np.where(acting[..., None], command_w, force_w)
             used = heard.known & acting[..., None]
             age_sum += np.where(used, time[..., None] - heard.sampled_at, 0.0).sum(axis=(1, 2))
             age_count += used.sum(axis=(1, 2))
             scorer.control(state)
-        for look in plant.step(force_w, (then - now) * tick):
+        for look in plant.step(force_w, (then - now) * tick, perception.navigation_error(state.time)):
+            perception.look(look)
             scorer.look(look)
             recorder.look(look)
         progress(then / duration_ticks)
@@ -140,6 +151,7 @@ def simulate(
         hull_contact=plant.hull_contact.astype(float),
         wheel_slip=plant.wheel_slip.astype(float),
         message_age=age_sum / age_count,
+        errors=errors.statistics(),
         final_position_w=plant.state.position_w,
         final_heading=plant.state.heading,
         time=recorder.times,
@@ -181,14 +193,16 @@ def make_plant(
             return RigidBodyPlant(
                 position_w,
                 heading,
-                scenario.laws(setup),
+                scenario.laws(setup, real_sensors=case.perception in ("filter", "fitted")),
                 conditions=scenario.conditions(setup),
                 friction=scenario.friction(setup, trials),
                 threads=threads,
             )
 
 
-def _perception(setup: Scenario, case: Case, sample_period: float, trials: Sequence[int]) -> Perception:
+def _perception(
+    setup: Scenario, case: Case, sample_period: float, trials: Sequence[int], start: FleetState
+) -> Perception:
     match case.perception:
         case None:
             return PerfectPerception()
@@ -201,6 +215,38 @@ def _perception(setup: Scenario, case: Case, sample_period: float, trials: Seque
                 setup.seed,
                 trials,
             )
+        case "filter":
+            estimator = build(
+                scenario.filter_name(case), start.heading.shape, setup.filter, setup.filter.implementation
+            )
+            return FilterPerception(
+                estimator,
+                setup.sensors,
+                sample_period,
+                setup.seed,
+                trials,
+                start,
+                alignment=setup.filter.alignment,
+                uphill=setup.vehicle.slope if case.plant == "rigid" else 0.0,
+            )
+        case "fitted":
+            error = scenario.fitted(setup, case.estimator)
+            return FittedPerception(
+                error.position, error.velocity, error.heading, sample_period, setup.robots, setup.seed, trials
+            )
+
+
+def _velocity(setup: Scenario, case: Case, plant: Plant) -> Callable[[Belief], Array]:
+    """Returns where the velocity of the dissipation comes from, at a sample."""
+    match scenario.velocity(setup, case):
+        case "truth":
+            return lambda fresh: plant.state.velocity_w
+        case "odometry":
+            return lambda fresh: plant.odometry_w
+        case "reference":
+            return lambda fresh: plant.reference_w
+        case _:
+            return lambda fresh: fresh.velocity_w
 
 
 def make_formation(setup: Scenario, case: Case, field: potential_field.PotentialField) -> Formation:

@@ -23,6 +23,7 @@ _HERE = Execution()  # in this process
 
 # Of each outcome: where it is, its dimensions behind `case`, unit and meaning. All are NaN for trials that diverged.
 _TRIAL = ("trial",)
+_LAGS = ("trial", "lag")
 _VARIABLES = {
     "settling": (
         "scores.settling",
@@ -40,6 +41,9 @@ _VARIABLES = {
     "hull_contact": ("hull_contact", _TRIAL, "1", "1: a hull touched something; NaN for point masses"),
     "wheel_slip": ("wheel_slip", _TRIAL, "m/s", "largest slip of a tyre along its wheel; NaN for point masses"),
     "message_age": ("message_age", _TRIAL, "s", "mean age of the neighbours' positions when acted on"),
+    "position_autocovariance": ("errors.position", _LAGS, "m2", "of the believed positions' errors, per axis"),
+    "velocity_autocovariance": ("errors.velocity", _LAGS, "m2 s-2", "of the believed velocities' errors, per axis"),
+    "heading_autocovariance": ("errors.heading", _LAGS, "rad2", "of the headings' errors that local laws have"),
     "final_position_w": ("final_position_w", ("trial", "robot", "axis"), "m", "position of the centre at the end"),
     "final_heading": ("final_heading", ("trial", "robot"), "rad", "heading at the end"),
     "trajectory_w": ("trajectory_w", ("recorded", "time", "robot", "axis"), "m", "path of the centre"),
@@ -95,6 +99,7 @@ def _dataset(setup: Scenario, by_case: Mapping[Case, list[Outcome]]) -> xr.Datas
         variables[name] = (("case", *dimensions), values, {"units": unit, "long_name": meaning})
     rows = [scenario.method(setup, case.estimator) for case in cases]
     periods = np.array([scenario.periods(setup, case.estimator) for case in cases]) * setup.processor.tick
+    variables["error_lag"] = (("case", "lag"), joined("errors.lag")[:, 0], {"units": "s", "long_name": "of the above"})
     variables["sample_period"] = ("case", periods[:, 0], {"units": "s"})
     variables["control_period"] = ("case", periods[:, 1], {"units": "s"})
     variables["alpha_h"] = ("case", [row.alpha_h for row in rows], {"units": "N m"})
@@ -105,6 +110,7 @@ def _dataset(setup: Scenario, by_case: Mapping[Case, list[Outcome]]) -> xr.Datas
         "plant": ("case", [case.plant for case in cases]),
         "perception": ("case", [case.perception or "" for case in cases]),
         "estimator": ("case", [case.estimator for case in cases]),
+        "velocity": ("case", [scenario.velocity(setup, case) for case in cases]),
         "trial": np.arange(setup.first_trial, setup.first_trial + setup.trials),
         "time": ("time", first.time, {"units": "s"}),
         "axis": ["x", "y"],

@@ -13,13 +13,20 @@ def add(commands: parsers.Commands) -> None:
     command.add_argument("--trials", type=int, help="trials of each case (default 100)")
     command.add_argument("--plants", nargs="+", choices=PLANTS)
     command.add_argument("--estimators", nargs="+", choices=ESTIMATORS)
-    command.add_argument("--perception", nargs="+", choices=PERCEPTIONS)
+    command.add_argument(
+        "--perception",
+        nargs="+",
+        choices=PERCEPTIONS,
+        help="gauss-markov: the paper's error; filter: real estimators on simulated sensors; fitted: an error with the "
+        "filters' statistics (default gauss-markov)",
+    )
 
 
 def compare(options: argparse.Namespace) -> None:
     """Every estimator on both plants, the paper's Table III beside them."""
     from dynabot_mj import figures
     from dynabot_mj.experiments import compare as experiment
+    from dynabot_mj.experiments import in_loop
 
     setup = studies.build(options, plants=options.plants, estimators=options.estimators, perception=options.perception)
     folder = results.open_folder(options, "compare")
@@ -29,6 +36,10 @@ def compare(options: argparse.Namespace) -> None:
     with studies.staged(folder, setup, study, options, wall_s) as stage:
         (stage / "table.md").write_text(table, encoding="utf-8")
         (stage / "compare.json").write_text(results.dump(document), encoding="utf-8")
+        if (fitted := in_loop.fitted_toml(study)) is not None:
+            (stage / "fitted.toml").write_text(fitted, encoding="utf-8")
+        if (errors := figures.errors(study)) is not None:
+            figures.save(errors, stage / "errors.png")
         figures.save(figures.table_iii(study), stage / "table_iii.png")
         for estimator in dict.fromkeys(setup.estimators):
             figures.save(figures.trajectories(study, estimator), stage / f"trajectories_{estimator}.png")

@@ -39,7 +39,7 @@ def shared() -> argparse.ArgumentParser:
 
 def study() -> argparse.ArgumentParser:
     """Returns the options of a study, beside those of `shared`."""
-    from dynabot_mj.scenario import HEADINGS, SENSINGS, STEERINGS
+    from dynabot_mj.scenario import HEADINGS, SENSINGS, STEERINGS, VELOCITIES
 
     parser = argparse.ArgumentParser(add_help=False, parents=[shared()])
     parser.add_argument("--config", type=Path, metavar="FILE.toml", help="configuration; options override it")
@@ -48,6 +48,12 @@ def study() -> argparse.ArgumentParser:
     parser.add_argument("--duration", type=float, help="of a trial [s] (default 80; below 13 nothing settles)")
     parser.add_argument("--utilisation", type=float, help="bound U of Eq. 1 (default 1.0; Table I says 0.95)")
     parser.add_argument("--headings", choices=HEADINGS, help="at the start (default random)")
+    parser.add_argument(
+        "--velocity",
+        choices=VELOCITIES,
+        help="of the dissipation (default auto: true where the velocity is exact, else estimated); "
+        "odometry and reference are of rigid robots only",
+    )
     rigid = parser.add_argument_group("rigid robots")
     rigid.add_argument("--model", metavar="FILE.xml", help="another robot's MJCF with the same names")
     rigid.add_argument(

@@ -15,11 +15,18 @@ _CHOICES = {"plants": "plant", "estimators": "estimator", "perception": "percept
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
     from dynabot_mj.scenario import ESTIMATORS, PERCEPTIONS, PLANTS
+    from estimation.build import IMPLEMENTATIONS
 
     command = parsers.command(commands, run, parsers.study())
     command.add_argument("--plant", choices=PLANTS, help="default rigid")
     command.add_argument("--estimator", choices=ESTIMATORS, help="default decoupled")
     command.add_argument("--perception", choices=PERCEPTIONS, help="default gauss-markov")
+    command.add_argument(
+        "--filters",
+        choices=IMPLEMENTATIONS,
+        dest="implementation",
+        help="of --perception filter: ours, batched, or FilterPy's (default batched)",
+    )
     command.add_argument("--trial", type=int, help="its number (default 0)")
     command.add_argument(
         "--reproduce",
@@ -56,6 +63,7 @@ def _single(options: argparse.Namespace) -> Any:
         {"plants": ["rigid"], "estimators": ["decoupled"]},
         trials=1,
         first_trial=options.trial,
+        implementation=options.implementation,
         **{name: [value] if (value := getattr(options, option)) else None for name, option in _CHOICES.items()},
     )
     for name, option in _CHOICES.items():
@@ -69,8 +77,9 @@ def _reproduced(options: argparse.Namespace) -> Any:
     """Builds the configuration of one trial of a saved study."""
     from dynabot_mj import configuration, scenario, study
 
-    others = ("config", "plant", "estimator", "perception", "trial", *studies.SCIENCE)
-    if given := [name for name in others if getattr(options, name, None) is not None]:
+    others = {name: name for name in ("config", "plant", "estimator", "perception", "trial", *studies.SCIENCE)}
+    others["implementation"] = "filters"
+    if given := [option for name, option in others.items() if getattr(options, name, None) is not None]:
         raise InputError(f"--{given[0]} given with --reproduce, which takes everything from the saved study")
     try:
         folder, label, trial = options.reproduce.rsplit(":", 2)

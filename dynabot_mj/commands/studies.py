@@ -13,7 +13,16 @@ from dynabot_mj import files
 from dynabot_mj.commands import parsers, results
 
 _VEHICLE = ("model", "friction", "slope", "payload", "steering", "sensing", "gains")
-SCIENCE = ("seed", "robots", "duration", "utilisation", "headings", "trials", *_VEHICLE)  # they override the TOML
+SCIENCE = (
+    "seed",
+    "robots",
+    "duration",
+    "utilisation",
+    "headings",
+    "velocity",
+    "trials",
+    *_VEHICLE,
+)  # they override the TOML
 _NONE: Mapping[str, Any] = {}
 _CHUNKS = ".chunks"  # finished parts of a study, until it is complete
 

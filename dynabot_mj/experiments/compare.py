@@ -12,7 +12,8 @@ from typing import Any
 import xarray as xr
 
 from dynabot_mj import statistics
-from dynabot_mj.experiments import tables
+from dynabot_mj.experiments import in_loop, tables
+from dynabot_mj.experiments.in_loop import EstimateError
 from dynabot_mj.statistics import Mean, Rate
 from dynabot_mj.testbed import ROBOTS, TABLE_III, TableIIIRow
 
@@ -63,6 +64,8 @@ class Row:
     completion: Rate
     completion_common: Rate
     diverged: int
+    velocity: str  # where the dissipation's comes from
+    estimate_error: EstimateError | None  # None for perfect information
     paper: Published
 
 
@@ -102,6 +105,8 @@ def row(case: xr.Dataset) -> Row:
         completion=statistics.rate(case.completion),
         completion_common=statistics.rate(case.completion_common),
         diverged=int(case.diverged.sum()),
+        velocity=str(case.velocity.item()),
+        estimate_error=in_loop.errors(case),
         paper=Published(settling_s=published.settling, collision=published.collision, completion=published.completion),
     )
 
@@ -112,13 +117,15 @@ def rows(study: xr.Dataset) -> list[Row]:
 
 
 def paired(study: xr.Dataset) -> list[Paired]:
-    """Compares the plants of each method on the same trials, particle minus rigid where both are there."""
+    """Compares cases of one estimator on the same trials that differ in the plant alone, or in the perception alone.
+
+    Particle minus rigid where both plants are there, an earlier perception minus a later one.
+    """
     found = []
-    labels = [str(label) for label in study.case.values]
-    for a, b in itertools.combinations(range(len(labels)), 2):
+    for a, b in itertools.combinations(range(study.sizes["case"]), 2):
         one, other = study.isel(case=a), study.isel(case=b)
-        same_method = one.estimator == other.estimator and one.perception == other.perception
-        if not same_method:
+        same_plant, same_perception = (one[name] == other[name] for name in ("plant", "perception"))
+        if one.estimator != other.estimator or bool(same_plant) == bool(same_perception):
             continue
         if str(one.plant.item()) > str(other.plant.item()):
             one, other = other, one
@@ -150,18 +157,39 @@ def markdown(study: xr.Dataset) -> str:
         "a hull touched. Band 1 m: the completion criterion common to all rows. Runs shorter than 13 s have neither",
         "settling nor completion (-).",
     ]
+    sources = {one.perception or "perfect": one.velocity for one in summary}
+    told = ", ".join(f"{source} ({perception})" for perception, source in sources.items())
+    lines += ["", f"Velocity of the dissipation: {told}."]
+    for title, chosen in (
+        ("Particle minus rigid body, on the same trials", [one for one in differences if _changes(one, "plant")]),
+        (
+            "One perception minus another, on the same trials",
+            [one for one in differences if _changes(one, "perception")],
+        ),
+    ):
+        if chosen:
+            lines += [
+                "",
+                f"## {title}",
+                "",
+                *tables.aligned(["estimator", "difference", *_DIFFERENCE_HEADER.values()], _difference_body(chosen)),
+            ]
     if differences:
         lines += [
             "",
-            "## Particle minus rigid body, on the same trials",
-            "",
-            *tables.aligned(["estimator", *_DIFFERENCE_HEADER.values()], _difference_body(differences)),
-            "",
             "Mean paired differences with 95 % bootstrap intervals; rates in percentage points. Settling (n): over the",
-            "n trials that settled without a collision on both plants, which the outcome selects. An interval of no",
+            "n trials that settled without a collision in both cases, which the outcome selects. An interval of no",
             "width means that all pairs are equal, not that the rates are known exactly: see their intervals above.",
         ]
+    if table := in_loop.markdown(study):
+        lines += ["", table.rstrip()]
     return "\n".join(lines) + "\n"
+
+
+def _changes(difference: Paired, what: str) -> bool:
+    """Tells whether plant, or perception, is what two cases differ in."""
+    (a, *_), (b, *_) = difference.a.split("/"), difference.b.split("/")
+    return (a != b) == (what == "plant")
 
 
 _DIFFERENCE_HEADER = {
@@ -178,6 +206,7 @@ def _header() -> list[str]:
     return [
         "estimator",
         "plant",
+        "perception",
         "T_s, T_c [ms]",
         "gains",
         "settling [s]",
@@ -197,13 +226,14 @@ def _body(summary: Sequence[Row], robots: int) -> list[list[str]]:
     # The paper has results for three robots only; beside another fleet they are a point of reference.
     paper = "paper" if robots == ROBOTS else f"paper, {ROBOTS} robots"
     body = []
-    for (estimator, _), group in itertools.groupby(summary, lambda one: (one.estimator, one.perception)):
-        body.append([estimator, paper, *_published(TABLE_III[estimator])])
+    for estimator, group in itertools.groupby(summary, lambda one: one.estimator):
+        body.append([estimator, paper, "", *_published(TABLE_III[estimator])])
         for one in group:
             body.append(
                 [
                     "",
                     one.plant,
+                    one.perception or "",
                     f"{one.sample_period_ms:g}, {one.period_ms:g}",
                     f"{one.alpha_h:g}, {one.alpha_d:g}",
                     tables.mean(one.settling_s),
@@ -231,9 +261,11 @@ def _published(row: TableIIIRow) -> list[str]:
 
 def _difference_body(differences: Sequence[Paired]) -> list[list[str]]:
     body = []
-    for (a, _), group in itertools.groupby(differences, lambda one: (one.a, one.b)):
+    for (a, b), group in itertools.groupby(differences, lambda one: (one.a, one.b)):
         by_metric = {one.metric: one for one in group}
-        body.append([a.split("/")[-1], *(_difference(by_metric[metric]) for metric in _DIFFERENCE_HEADER)])
+        (one, estimator), (other, _) = a.rsplit("/", 1), b.rsplit("/", 1)
+        cells = (_difference(by_metric[metric]) for metric in _DIFFERENCE_HEADER)
+        body.append([estimator, f"{one} - {other}", *cells])
     return body
 
 

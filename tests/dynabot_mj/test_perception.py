@@ -4,7 +4,14 @@ from dynabot_mj.perception import Belief, GaussMarkovPerception, PerfectPercepti
 from dynabot_mj.plants import FleetState
 
 ZERO = np.zeros((300, 3, 2))
-STATE = FleetState(time=0.0, position_w=ZERO + 5.0, velocity_w=ZERO + 1.0, heading=ZERO[..., 0], yaw_rate=ZERO[..., 0])
+STATE = FleetState(
+    time=0.0,
+    position_w=ZERO + 5.0,
+    velocity_w=ZERO + 1.0,
+    heading=ZERO[..., 0],
+    yaw_rate=ZERO[..., 0],
+    specific_impulse_b=ZERO,
+)
 EVERYBODY = np.ones((300, 3), dtype=bool)
 
 
@@ -35,7 +42,7 @@ def test_perfect_perception_is_the_truth():
 
 
 def test_a_belief_is_renewed_for_the_robots_that_are_due():
-    old, fresh = Belief(position_w=ZERO, velocity_w=ZERO), Belief(position_w=ZERO + 1.0, velocity_w=ZERO + 2.0)
+    old, fresh = (Belief(position_w=ZERO + x, velocity_w=ZERO + 2.0 * x, known=EVERYBODY) for x in (0.0, 1.0))
     due = EVERYBODY.copy()
     due[:, 0] = False
     renewed = old.renewed(fresh, due)

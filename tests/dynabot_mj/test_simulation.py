@@ -130,9 +130,9 @@ def test_the_command_is_held_for_the_control_period(monkeypatch):
     forces = []
 
     class Spy(simulation.ParticlePlant):
-        def step(self, force_w, gap):
+        def step(self, force_w, gap, error=None):
             forces.append((self.state.time, force_w[0, 0, 0]))
-            return super().step(force_w, gap)
+            return super().step(force_w, gap, error)
 
     monkeypatch.setattr(simulation, "ParticlePlant", Spy)
     setup = configuration.load("[method.gps]\nsample_period = 0.027\ncontrol_period = 0.054", "test", duration=0.54)

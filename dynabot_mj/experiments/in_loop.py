@@ -1,0 +1,116 @@
+"""How wrong the robots of a study were about themselves, and surrogates that err alike.
+
+The errors of a filter depend on the loop that it is in, so their statistics are taken there: from the autocovariances
+that a study keeps of each trial (`dynabot_mj.error_statistics`), averaged over its trials.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import tomli_w
+import xarray as xr
+
+from dynabot_mj import error_statistics
+from dynabot_mj.experiments import tables
+from estimation.gauss_markov import Component
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sequence:
+    """A Gauss-Markov sequence, one of those whose sum has an error's autocovariance."""
+
+    deviation: float  # in the error's unit
+    time_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class EstimateError:
+    """Errors in the loop, over all trials, robots and axes; None where there was none to measure."""
+
+    position_rms_m: float  # per axis
+    velocity_rms_mps: float  # per axis
+    heading_rms_deg: float | None  # of the heading that local laws use
+    position: tuple[Sequence, ...]  # [m]
+    velocity: tuple[Sequence, ...]  # [m/s]
+    heading: tuple[Sequence, ...]  # [rad]
+
+
+def errors(case: xr.Dataset) -> EstimateError | None:
+    """Returns the errors of a case; None where robots know their state, or had no common clock to tell by."""
+    position, velocity, heading = (
+        case[f"{name}_autocovariance"].mean("trial").values for name in ("position", "velocity", "heading")
+    )
+    if not position[0] > 0.0:
+        return None
+    lag = case.error_lag.values
+    return EstimateError(
+        position_rms_m=math.sqrt(position[0]),
+        velocity_rms_mps=math.sqrt(velocity[0]),
+        heading_rms_deg=math.degrees(math.sqrt(heading[0])) if np.isfinite(heading[0]) else None,
+        position=_sequences(error_statistics.components(lag, position)),
+        velocity=_sequences(error_statistics.components(lag, velocity)),
+        heading=_sequences(error_statistics.components(lag, heading)),
+    )
+
+
+def fitted_toml(study: xr.Dataset) -> str | None:
+    """Returns the `[fitted]` table that imitates a study's filters; None where it has none.
+
+    Errors are of the first plant that each estimator was run on.
+    """
+    found: dict[str, dict[str, list[dict[str, float]]]] = {}
+    for index in range(study.sizes["case"]):
+        case = study.isel(case=index)
+        if str(case.perception.item()) != "filter" or str(case.estimator.item()) in found:
+            continue
+        measured = errors(case)
+        if measured is not None:
+            parts = {"position": measured.position, "velocity": measured.velocity, "heading": measured.heading}
+            found[str(case.estimator.item())] = {
+                name: [{"deviation": _digits(one.deviation), "time": _digits(one.time_s)} for one in part]
+                for name, part in parts.items()
+            }
+    return tomli_w.dumps({"fitted": found}) if found else None
+
+
+def markdown(study: xr.Dataset) -> str:
+    """Returns the errors of all cases as a readable table; empty where no case has any."""
+    body = []
+    for index in range(study.sizes["case"]):
+        case = study.isel(case=index)
+        measured = errors(case)
+        if measured is not None:
+            heading = "-" if measured.heading_rms_deg is None else f"{measured.heading_rms_deg:.1f}"
+            body.append(
+                [
+                    *(str(case[name].item()) for name in ("estimator", "plant", "perception")),
+                    f"{measured.position_rms_m:.2f}",
+                    _text(measured.position),
+                    f"{measured.velocity_rms_mps:.3f}",
+                    _text(measured.velocity),
+                    heading,
+                ]
+            )
+    if not body:
+        return ""
+    header = ["estimator", "plant", "perception", "position [m]", "as σ [m] / τ [s]"]
+    header += ["velocity [m/s]", "as σ [m/s] / τ [s]", "heading [°]"]
+    return "\n".join(["## Errors of the robots' beliefs in the loop", "", *tables.aligned(header, body), "", _NOTE, ""])
+
+
+_NOTE = """Root mean squares per axis; behind them the Gauss-Markov sequences whose sum has the same autocovariance.
+Heading: of the one that local laws use; ideal (-) with the gauss-markov surrogate."""
+
+
+def _sequences(components: list[Component]) -> tuple[Sequence, ...]:
+    return tuple(Sequence(deviation=one.deviation, time_s=one.time) for one in components)
+
+
+def _digits(value: float) -> float:
+    """Returns a value with the three digits that it means."""
+    return float(f"{value:.3g}")
+
+
+def _text(sequences: tuple[Sequence, ...]) -> str:
+    return " + ".join(f"{one.deviation:.2g} / {one.time_s:.2g}" for one in sequences) or "-"
