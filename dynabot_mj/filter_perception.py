@@ -70,16 +70,16 @@ class FilterPerception:
         known = estimate.known
         self._sampled_at = np.where(due, state.time, self._sampled_at)
         last = self._error
-        # Before there is a belief there is nothing to be off by; the robot does not move then.
-        heading = np.where(known, wrap(estimate.heading - state.heading), 0.0)
+        # A robot that does not know where it is stands still: there is nothing to mislead its local laws.
+        fresh = NavigationError(
+            heading=np.where(known, wrap(estimate.heading - state.heading), 0.0),
+            yaw_rate=np.where(known, self._sensors.yaw_rate_error - estimate.yaw_rate_bias, 0.0),
+            acceleration_b=np.where(known[..., None], self._sensors.force_error_b - estimate.acceleration_bias_b, 0.0),
+        )
         self._error = NavigationError(
-            heading=np.where(due, heading, last.heading),
-            yaw_rate=np.where(due, self._sensors.yaw_rate_error - estimate.yaw_rate_bias, last.yaw_rate),
-            acceleration_b=np.where(
-                due[..., None],
-                self._sensors.force_error_b - estimate.acceleration_bias_b,
-                last.acceleration_b,
-            ),
+            heading=np.where(due, fresh.heading, last.heading),
+            yaw_rate=np.where(due, fresh.yaw_rate, last.yaw_rate),
+            acceleration_b=np.where(due[..., None], fresh.acceleration_b, last.acceleration_b),
         )
         return Belief(position_w=estimate.position_w, velocity_w=estimate.velocity_w, known=known)
 

@@ -138,6 +138,11 @@ class GpsExtrapolation:
         self._motion = np.zeros(4)  # position and velocity over ground
         self._age = np.zeros(())
 
+    @property
+    def filters(self) -> tuple[Any, ...]:
+        """FilterPy's filters."""
+        return (self._heading.filter,)
+
     def sound(self) -> bool:
         """Tells whether all numbers are finite and all variances positive."""
         return _sound(self._heading.part) and bool(np.isfinite(self._motion).all())
@@ -219,6 +224,11 @@ class DecoupledEkf:
             _Part(filter=_kalman_filter(2, np.eye(2), [1.0, 1.0]), states=[axis, 8 + axis]) for axis in (0, 1)
         )
         self._parts = (self._heading.part, self._velocity, *self._position)
+
+    @property
+    def filters(self) -> tuple[Any, ...]:
+        """FilterPy's filters."""
+        return tuple(part.filter for part in self._parts)
 
     def sound(self) -> bool:
         """Tells whether all numbers are finite and all variances positive."""
@@ -368,6 +378,11 @@ class CoupledEkf:
         self._filter = _moving_filter(np.eye(STATES), 4)
         self._part = _Part(filter=self._filter, states=list(range(STATES)))
         self._fix_noise = np.diag([parameters.position_noise**2] * 2 + [parameters.velocity_noise**2] * 2)
+
+    @property
+    def filters(self) -> tuple[Any, ...]:
+        """FilterPy's filter."""
+        return (self._filter,)
 
     def sound(self) -> bool:
         """Tells whether all numbers are finite and all variances positive."""

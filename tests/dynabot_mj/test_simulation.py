@@ -6,12 +6,13 @@ from dynabot_mj.scenario import Case, Scenario
 from dynabot_mj.simulation import Clocks, simulate, starts
 
 
-def case(plant, estimator):
-    return Case(plant=plant, estimator=estimator, perception=None if estimator == "perfect" else "gauss-markov")
+def case(plant, estimator, perception="gauss-markov"):
+    return Case(plant=plant, estimator=estimator, perception=None if estimator == "perfect" else perception)
 
 
-def run(plant, estimator, trials, recorded=0, **options):
-    return simulate(configuration.build({}, **options), case(plant, estimator), trials, recorded=recorded)
+def run(plant, estimator, numbers, recorded=0, perception="gauss-markov", **options):
+    setup = configuration.build({"plants": [plant]}, **options)
+    return simulate(setup, case(plant, estimator, perception), numbers, recorded=recorded)
 
 
 def test_robots_start_on_a_polygon_fifty_metres_away():
@@ -232,3 +233,76 @@ def test_rigid_bodies_with_perfect_information_form_like_particles():
     assert not rigid.collision_footprint.any()
     assert rigid.completion.all()
     assert rigid.settling.mean() == pytest.approx(particle.settling.mean(), rel=0.08)
+
+
+def test_golden_run_with_filters_on_particles():
+    outcome = run("particle", "coupled", range(20), perception="filter")
+    assert outcome.scores.settling.mean() == pytest.approx(45.404, abs=0.04)
+    assert outcome.scores.top_speed.mean() == pytest.approx(2.8599, abs=2e-3)
+    assert np.sqrt(outcome.errors.position[:, 0].mean()) == pytest.approx(0.6820, abs=2e-3)
+
+
+def test_golden_run_with_filters_on_rigid_bodies():
+    outcome = run("rigid", "decoupled", range(4), duration=20.0, gains="first", perception="filter")
+    assert outcome.scores.top_speed.mean() == pytest.approx(1.7438, abs=2e-3)
+    assert np.sqrt(outcome.errors.position[:, 0].mean()) == pytest.approx(0.7875, abs=2e-3)
+    assert np.sqrt(outcome.errors.heading[:, 0].mean()) == pytest.approx(0.0895, abs=2e-3)
+
+
+@pytest.mark.parametrize("plant", ["particle", "rigid"])
+def test_a_filtered_trial_depends_on_its_number_alone(plant):
+    together = run(plant, "decoupled", range(4), recorded=4, duration=5.0, perception="filter")
+    alone = run(plant, "decoupled", [2], recorded=1, duration=5.0, perception="filter")
+    np.testing.assert_allclose(together.trajectory_w[2], alone.trajectory_w[0], atol=1e-9)
+
+
+def test_filterpy_gives_the_same_run():
+    ours, theirs = (
+        run("particle", "coupled", [0], recorded=1, duration=10.0, perception="filter", trials=1, implementation=name)
+        for name in ("batched", "filterpy")
+    )
+    np.testing.assert_allclose(ours.trajectory_w, theirs.trajectory_w, atol=1e-6)
+
+
+@pytest.mark.parametrize("plant", ["particle", "rigid"])
+def test_a_robot_without_a_fix_neither_moves_nor_is_heard(plant):
+    setup = configuration.build(
+        {
+            "plants": [plant],
+            "perception": ["filter"],
+            "sensors": {"faults": [{"kind": "outage", "start": -100.0, "robots": [1]}]},
+        },
+        duration=10.0,
+    )
+    start, _ = starts(setup, range(3))
+    outcome = simulate(setup, case(plant, "decoupled", "filter"), range(3))
+    moved = np.linalg.norm(outcome.final_position_w - start, axis=-1)
+    assert (moved[:, 1] < 0.02).all()
+    assert (moved[:, [0, 2]] > 3.0).all()
+
+
+@pytest.mark.parametrize("source", ["estimate", "truth", "odometry", "reference"])
+def test_the_velocity_of_the_dissipation_is_chosen(source):
+    outcomes = {
+        name: run("rigid", "decoupled", [0], recorded=1, duration=6.0, perception="filter", velocity=name).trajectory_w
+        for name in {source, "truth"}
+    }
+    assert np.isfinite(outcomes[source]).all()
+    assert (outcomes[source] == outcomes["truth"]).all() == (source == "truth")
+
+
+def test_by_default_the_velocity_is_true_where_it_is_exact():
+    setup = Scenario()
+    assert scenario.velocity(setup, case("rigid", "perfect")) == "truth"
+    assert scenario.velocity(setup, case("rigid", "gps")) == "truth"
+    assert scenario.velocity(setup, case("particle", "gps", "filter")) == "estimate"
+    assert scenario.velocity(setup, case("rigid", "gps", "fitted")) == "estimate"
+
+
+def test_filters_work_with_clocks_of_their_own():
+    setup = configuration.build({"plants": ["particle"]}, duration=10.0)
+    phase = np.array([0, 11, 23])
+    outcome = simulate(setup, case("particle", "decoupled", "filter"), range(3), phase=phase)
+    assert np.isfinite(outcome.final_position_w).all()
+    assert np.isnan(outcome.errors.position).all()  # no common time to take them at
+    assert (np.abs(outcome.final_position_w - starts(setup, range(3))[0]).max(axis=-1) > 3.0).all()

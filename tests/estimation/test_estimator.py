@@ -36,13 +36,12 @@ def off(estimates, start=0):
 def changed(samples, first, last, **values):
     """Changes arrays of the samples with these indices: by a value, or by a function of what they were."""
 
+    def value(old, make):
+        return make(old) if callable(make) else np.full_like(old, make)
+
     def new(part):
-        given = {key: values[key] for key in values if hasattr(part, key)}
-        return replace(
-            part,
-            **{key: make(getattr(part, key)) if callable(make) else np.full_like(getattr(part, key), make)
-               for key, make in given.items()},
-        )  # fmt: skip
+        own = values.keys() & vars(part).keys()
+        return replace(part, **{key: value(getattr(part, key), values[key]) for key in own})
 
     return [(new(imu), new(fix)) if first <= index < last else (imu, fix) for index, (imu, fix) in enumerate(samples)]
 

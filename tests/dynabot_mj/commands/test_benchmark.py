@@ -1,0 +1,29 @@
+import argparse
+import json
+
+import pytest
+
+from dynabot_mj.commands import benchmark
+from dynabot_mj.errors import InputError
+
+
+def run(*arguments):
+    parser = argparse.ArgumentParser()
+    benchmark.add(parser.add_subparsers())
+    options = parser.parse_args(["benchmark", *arguments])
+    options.function(options)
+
+
+def test_benchmark_prints_one_json_document_and_writes_its_results(tmp_path, capsys):
+    run("filters", "--robots", "2", "--repetitions", "1", "--json", "--out", str(tmp_path / "a"))
+    document = json.loads(capsys.readouterr().out)
+    assert document["filters"]["robots"] == 2
+    assert json.loads((tmp_path / "a" / "benchmark.json").read_text()) == document
+    assert "| decoupled" in (tmp_path / "a" / "benchmark.md").read_text()
+
+
+@pytest.mark.parametrize("option", ["--robots", "--repetitions"])
+def test_there_must_be_something_to_measure(option, tmp_path):
+    with pytest.raises(InputError, match=f"{option} 0 given, it must be at least 1"):
+        run("filters", option, "0", "--out", str(tmp_path / "a"))
+    assert not (tmp_path / "a").exists()
