@@ -24,13 +24,19 @@ gains: $(VENV)/.installed
 	$(BIN)/dynabot tune traction --out out/gains
 	cp out/gains/gains.toml controllers/gains/tuned.toml
 
-# The pictures of the README and of docs/; takes about twenty minutes.
+# The pictures of the README and of docs/; takes about half an hour.
 pictures: $(VENV)/.installed
 	$(BIN)/dynabot compare --out out/pictures/compare
 	$(BIN)/dynabot tune traction --out out/pictures/tune
 	$(BIN)/dynabot track --out out/pictures/track
+	$(BIN)/dynabot circle --out out/pictures/circle
+	$(BIN)/dynabot compare --perception gauss-markov filter fitted --out out/pictures/perception
 	mkdir -p docs/images
 	cp out/pictures/compare/trajectories_decoupled.png out/pictures/compare/table_iii.png docs/images/
+	cp out/pictures/circle/fig_3.png docs/images/
+	cp out/pictures/circle/errors.png docs/images/circle_errors.png
+	cp out/pictures/perception/errors.png docs/images/loop_errors.png
+	cp out/pictures/perception/table_iii.png docs/images/perceptions.png
 	cp out/pictures/tune/tuning.png out/pictures/tune/parity.png out/pictures/track/tracking.png docs/images/
 
 # The lock file pins what is tested; the package itself is installed in place.

@@ -4,7 +4,6 @@ Precedence is defaults < TOML < command line. Whatever is wrong is told in one l
 """
 
 import json
-import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, fields
@@ -15,10 +14,9 @@ import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
 from controllers.potential_field import polygon_circumradius
-from dynabot_mj import scene
+from dynabot_mj import filter_parameters, scene, sensors
 from dynabot_mj.errors import InputError, one_line
 from dynabot_mj.scenario import Methods, Scenario, VehicleOptions, conditions, field, laws, mass, method, periods
-from estimation.parameters import Parameters
 
 _NONE: Mapping[str, Any] = {}
 # Tables of the options that are not top-level keys.
@@ -158,18 +156,8 @@ def _check_perception(setup: Scenario) -> None:
         raise InputError(f"velocity = {setup.velocity!r} given with the plant particle; it exists on rigid robots only")
     if setup.filter.implementation == "filterpy" and setup.trials > 1:
         raise InputError(
-            f"filter.implementation = 'filterpy' given with {setup.trials} trials; it filters one robot at a time and is "
-            "for single trials: 'batched' gives the same"
+            f"filter.implementation = 'filterpy' given with {setup.trials} trials; it filters one robot at a time and "
+            "is for single trials: 'batched' gives the same"
         )
-    for parameter in fields(Parameters):
-        value = getattr(setup.filter, parameter.name)
-        if not 0.0 < value < (1.0 if parameter.name == "gate" else math.inf):
-            allowed = "between 0 and 1" if parameter.name == "gate" else "positive and finite"
-            raise InputError(f"filter.{parameter.name} = {value:g} given, it must be {allowed}")
-    for fault in setup.sensors.faults:
-        if not fault.start < fault.end:
-            raise InputError(f"sensors.faults: a fault from {fault.start:g} to {fault.end:g} s given, it never acts")
-        if fault.robots and max(fault.robots) >= setup.robots:
-            raise InputError(
-                f"sensors.faults: robot {max(fault.robots)} given, there are the robots 0 to {setup.robots - 1}"
-            )
+    filter_parameters.check(setup.filter)
+    sensors.check(setup.sensors, setup.robots)

@@ -35,7 +35,6 @@ PERCEPTION_NAMES = {
     "gauss-markov": "Gauss-Markov error",
     "filter": "filters",
     "fitted": "fitted error",
-    "": "perfect",
 }
 PERCEPTION_COLOURS = {"gauss-markov": "#CC6677", "filter": "#117733", "fitted": "#88CCEE"}
 
@@ -56,18 +55,20 @@ STYLE: dict[Any, Any] = {
 }
 
 
-def trajectories(study: xr.Dataset, estimator: str) -> Figure:
+def trajectories(study: xr.Dataset, estimator: str, perception: str) -> Figure:
     """Draws Fig. 4 for one method: the first trial's paths, each plant in a column, whole and near the leader.
 
     Args:
         study: Dataset of a study.
         estimator: Name of the method.
+        perception: Of the cases that are drawn; "" for perfect information.
 
     Returns:
         The figure; positions in metres.
     """
     setup = configuration.load(study.attrs["configuration"], "the study's configuration")
-    cases = [study.isel(case=i) for i in range(study.sizes["case"]) if study.estimator.values[i] == estimator]
+    cases = [study.isel(case=i) for i in range(study.sizes["case"])]
+    cases = [case for case in cases if case.estimator == estimator and case.perception == perception]
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(
             2,
@@ -81,10 +82,7 @@ def trajectories(study: xr.Dataset, estimator: str) -> Figure:
             for axis in axes[:, column]:
                 _draw_paths(axis, case)
                 _draw_well(axis, setup, estimator)
-            title = PLANT_NAMES[str(case.plant.item())]
-            if len(set(study.perception.values) - {""}) > 1:
-                title += f", {PERCEPTION_NAMES[str(case.perception.item())]}"
-            axes[0, column].set_title(title, fontsize=10.5)
+            axes[0, column].set_title(PLANT_NAMES[str(case.plant.item())])
             # The same limits for both plants, so that the paths can be compared.
             edge = scenario.field(setup, "perfect").leader.radius + setup.field.width
             near = edge + 2.5
@@ -100,7 +98,7 @@ def trajectories(study: xr.Dataset, estimator: str) -> Figure:
                 axis.set_ylabel("y [m]" if column == 0 else "")
         handles, labels = axes[1, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=9)
-        figure.suptitle(_caption(study, setup, estimator), fontsize=11)
+        figure.suptitle(_caption(study, setup, estimator, perception), fontsize=11)
     return figure
 
 
@@ -183,7 +181,8 @@ def errors(study: xr.Dataset) -> Figure | None:
                     covariance / covariance[0],
                     "-" if plant == "rigid" else "--",
                     marker="o",
-                    markersize=3,
+                    markersize=3.5,
+                    fillstyle="full" if plant == "rigid" else "none",
                     color=PERCEPTION_COLOURS[perception],
                     label=f"{PERCEPTION_NAMES[perception]}, {PLANT_NAMES[plant]}: {math.sqrt(covariance[0]):.2f} m",
                 )
@@ -193,7 +192,7 @@ def errors(study: xr.Dataset) -> Figure | None:
             axis.axhline(0.0, color="#888888", linewidth=0.8)
             axis.set_title(METHOD_NAMES[estimator].replace("\n", " "))
             axis.set_xlabel("lag [s]")
-            axis.legend(fontsize=7.5, loc="upper center", bbox_to_anchor=(0.5, -0.16))
+            axis.legend(fontsize=7.5, loc="upper center", bbox_to_anchor=(0.5, -0.16), handlelength=3.5)
         axes[0, 0].set_ylabel("autocorrelation of the position error")
         trials, seed = study.sizes["trial"], study.attrs["seed"]
         figure.suptitle(
@@ -236,9 +235,11 @@ def _draw_well(axis: Axes, setup: Scenario, estimator: str) -> None:
     axis.plot(0.0, 0.0, "D", color="#222222", markersize=6, linestyle="none", label="leader")
 
 
-def _caption(study: xr.Dataset, setup: Scenario, estimator: str) -> str:
+def _caption(study: xr.Dataset, setup: Scenario, estimator: str, perception: str) -> str:
     period = float(study.control_period[list(study.estimator.values).index(estimator)])
     name = METHOD_NAMES[estimator].replace("\n", " ")
+    if perception:
+        name += f", {PERCEPTION_NAMES[perception]}"
     return f"{name}, T_c = {1e3 * period:g} ms, trial {setup.first_trial} of seed {setup.seed}"
 
 
@@ -261,7 +262,12 @@ def _draw_method(axes: Sequence[Axes], index: int, estimator: str, rows: Sequenc
             _percent(row.completion),
         ]
         hatch = _PERCEPTION_HATCH[row.perception or ""]
-        look = {"facecolor": colour, "alpha": _PLANT_ALPHA[row.plant], "hatch": hatch, "edgecolor": "white"}
+        look: dict[str, Any] = {
+            "facecolor": colour,
+            "alpha": _PLANT_ALPHA[row.plant],
+            "hatch": hatch,
+            "edgecolor": "white",
+        }
         groups.append((shown, look if hatch else {**look, "edgecolor": "none"}))
     for bar, (values, look) in enumerate(groups):
         place = index + (bar - (len(groups) - 1) / 2.0) * (1.1 * width)

@@ -14,6 +14,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.errors import InputError
 from dynabot_mj.streams import Draws, Purpose
 from dynabot_mj.validation import STRICT
 
@@ -31,6 +32,23 @@ class Fault:
     end: float = math.inf  # [s]
     size: float = 0.0  # of a jump [m], of the bearing's turn [rad], share of the samples that are dropped
     robots: tuple[Annotated[int, Field(ge=0)], ...] = ()  # that have it, counted from 0; (): all
+
+
+def check(faults: Sequence[Fault], robots: int) -> None:
+    """Checks that faults act, and on robots that there are.
+
+    Args:
+        faults: What goes wrong.
+        robots: Number of robots n.
+
+    Raises:
+        InputError: With the first one that does not.
+    """
+    for fault in faults:
+        if not fault.start < fault.end:
+            raise InputError(f"sensors.faults: a fault from {fault.start:g} to {fault.end:g} s given, it never acts")
+        if fault.robots and max(fault.robots) >= robots:
+            raise InputError(f"sensors.faults: robot {max(fault.robots)} given, there are the robots 0 to {robots - 1}")
 
 
 class Faults:

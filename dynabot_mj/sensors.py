@@ -24,7 +24,9 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 from scipy import special
 
+from dynabot_mj import sensor_faults
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.errors import InputError
 from dynabot_mj.plants import FleetState
 from dynabot_mj.sensor_faults import Fault, Faults
 from dynabot_mj.streams import Draws, Purpose, generators
@@ -107,6 +109,25 @@ class SensorOptions:
     ground: GroundErrors = GroundErrors()
     wheels: WheelErrors = WheelErrors()
     faults: tuple[Fault, ...] = ()
+
+
+def check(options: SensorOptions, robots: int) -> None:
+    """Checks what no single value shows.
+
+    Args:
+        options: All sensors of a robot.
+        robots: Number of robots n.
+
+    Raises:
+        InputError: With the values that do not fit together.
+    """
+    gps = options.gps
+    # Else a fix arrives before the time that is stamped on it.
+    if not (math.isfinite(gps.stamp_error) and gps.stamp_error <= gps.latency):
+        raise InputError(
+            f"sensors.gps.stamp_error = {gps.stamp_error:g} s given, it must not exceed gps.latency, {gps.latency:g} s"
+        )
+    sensor_faults.check(options.faults, robots)
 
 
 def matched(parameters: Parameters) -> SensorOptions:

@@ -15,7 +15,9 @@ def add(commands: parsers.Commands) -> None:
     from dynabot_mj.experiments.kinematic import PATHS
 
     command = parsers.command(commands, circle, parsers.shared())
-    command.add_argument("--config", type=Path, metavar="FILE.toml", help="the same and [sensors]; options override it")
+    command.add_argument(
+        "--config", type=Path, metavar="FILE.toml", help="the same, [sensors] and [filter]; options override"
+    )
     command.add_argument("--runs", type=int, help="default 200")
     command.add_argument("--seed", type=int, help="of all random numbers (default 0)")
     command.add_argument("--duration", type=float, help="of a run, of which 15 s are dropped [s] (default 100)")
@@ -40,7 +42,7 @@ def circle(options: argparse.Namespace) -> None:
         if getattr(options, check):
             _check(options, check)
             return
-    from dynabot_mj import configuration, estimation_figures, logs, progress
+    from dynabot_mj import configuration, estimation_figures, log_files, logs, progress
     from dynabot_mj.experiments import circle as experiment
     from dynabot_mj.experiments import circle_report
     from dynabot_mj.figures import save
@@ -51,7 +53,7 @@ def circle(options: argparse.Namespace) -> None:
         **{name: getattr(options, name) for name in ("runs", "seed", "duration", "period", "plant", "path")},
     )
     if options.log:
-        logs.require_writable(options.log)
+        log_files.require_writable(options.log)
     folder = results.open_folder(options, "circle")
     with progress.shown("circle") as tell:
         outcome = experiment.run(request, tell)
@@ -62,12 +64,13 @@ def circle(options: argparse.Namespace) -> None:
         save(estimation_figures.paths(outcome), stage / "fig_3.png")
         save(estimation_figures.errors(outcome), stage / "errors.png")
         if options.log:
-            logs.write(options.log, logs.from_run(outcome.example.samples, outcome.example.truth, 0))
+            first = outcome.example
+            logs.write(options.log, logs.from_run(first.samples, first.truth, 0, request.sensors.wheels))
 
 
 def _check(options: argparse.Namespace, name: str) -> None:
     """Runs one of the checks of the filters, which have the kinematic circle and sensors of their own."""
-    from dynabot_mj.experiments import consistency, faults, grouping
+    from dynabot_mj.experiments import consistency, consistency_report, faults, faults_report, grouping
 
     for other in ("config", "duration", "period", "plant", "path", "log"):
         if getattr(options, other) is not None:
@@ -77,7 +80,11 @@ def _check(options: argparse.Namespace, name: str) -> None:
     seed = options.seed or 0
     parsers.require_seed(seed)
     folder = results.open_folder(options, f"circle/{name}")
-    experiment = {"grouping": grouping, "consistency": consistency, "faults": faults}[name]
+    experiment, report = {
+        "grouping": (grouping, grouping),
+        "consistency": (consistency, consistency_report),
+        "faults": (faults, faults_report),
+    }[name]
     found = experiment.run(seed, **({} if options.runs is None else {"runs": options.runs}))
-    with results.report(options, folder, name, experiment.document(found), experiment.markdown(found)):
+    with results.report(options, folder, name, report.document(found), report.markdown(found)):
         pass

@@ -41,7 +41,10 @@ def compare(options: argparse.Namespace) -> None:
         if (errors := figures.errors(study)) is not None:
             figures.save(errors, stage / "errors.png")
         figures.save(figures.table_iii(study), stage / "table_iii.png")
-        for estimator in dict.fromkeys(setup.estimators):
-            figures.save(figures.trajectories(study, estimator), stage / f"trajectories_{estimator}.png")
+        shown = list(dict.fromkeys(zip(study.estimator.values, study.perception.values, strict=True)))
+        for estimator, perception in shown:
+            several = sum(name == estimator for name, _ in shown) > 1
+            name = f"trajectories_{estimator}_{perception}" if several else f"trajectories_{estimator}"
+            figures.save(figures.trajectories(study, estimator, perception), stage / f"{name}.png")
     text = f"{table}\n{wall_s:.0f} s; results in {folder}"
     results.show(options, {**document, "wall_s": round(wall_s, 3)}, text)

@@ -16,19 +16,25 @@ def add(commands: parsers.Commands) -> None:
     command.add_argument(
         "--filters", choices=IMPLEMENTATIONS, default=IMPLEMENTATIONS[0], help="implementation (default batched)"
     )
+    command.add_argument(
+        "--config", type=Path, metavar="FILE.toml", help="as of `dynabot circle`; its [filter] says what filters assume"
+    )
     parsers.add_out(command, "out/estimate")
 
 
 def estimate(options: argparse.Namespace) -> None:
     """Runs estimators over a recorded log of sensor samples."""
-    from dynabot_mj import logs, progress, replay_figures
+    from dynabot_mj import configuration, logs, progress, replay_figures
+    from dynabot_mj.experiments import circle
     from dynabot_mj.experiments import estimate as experiment
     from dynabot_mj.figures import save
 
+    tree = configuration.read(options.config) if options.config else {}
+    parameters = circle.request(tree, str(options.config)).filter
     log = logs.read(options.log)
     folder = results.open_folder(options, "estimate")
     with progress.shown("estimate") as tell:
-        found = experiment.run(options.log.name, log, options.estimators, options.filters, tell)
+        found = experiment.run(options.log.name, log, options.estimators, options.filters, parameters, tell)
     document, text = experiment.document(found), experiment.markdown(found)
     with results.report(options, folder, "estimate", document, text) as stage:
         for name, track in found.tracks.items():

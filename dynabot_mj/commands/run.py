@@ -50,7 +50,9 @@ def run(options: argparse.Namespace) -> None:
     places = case.final_position_w.isel(trial=0).values
     row["final_position_m"] = [[float(x) if np.isfinite(x) else None for x in place] for place in places]
     with studies.staged(folder, setup, study, options, wall_s) as stage:
-        figures.save(figures.trajectories(study, setup.estimators[0]), stage / "trajectories.png")
+        figures.save(
+            figures.trajectories(study, setup.estimators[0], str(case.perception.item())), stage / "trajectories.png"
+        )
     shown = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places)
     text = experiment.markdown(study) + f"\nfinal positions [m]: {shown}\n{wall_s:.1f} s; results in {folder}"
     results.show(options, row, text)

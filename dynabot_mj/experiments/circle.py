@@ -18,18 +18,18 @@ import tomli_w
 from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from dynabot_mj import replay
+from dynabot_mj import filter_parameters, replay, sensors
 from dynabot_mj.errors import InputError, one_line
 from dynabot_mj.experiments import estimation_scores, kinematic, tether
 from dynabot_mj.experiments.best_fit import BestFit
 from dynabot_mj.experiments.estimation_scores import Consistency, Scores
 from dynabot_mj.experiments.kinematic import PathName
+from dynabot_mj.filter_parameters import FilterParameters
 from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.replay import Samples, Track
 from dynabot_mj.sensors import SensorOptions
 from dynabot_mj.validation import STRICT
 from estimation import build
-from estimation.parameters import DEFAULT, Parameters
 
 PlantName = Literal["kinematic", "rigid"]
 PLANTS: tuple[PlantName, ...] = get_args(PlantName)
@@ -54,6 +54,7 @@ class Request:
     plant: PlantName = "kinematic"
     path: PathName = "circle"
     sensors: SensorOptions = SensorOptions()
+    filter: FilterParameters = FilterParameters()  # what the estimators assume of them
 
 
 @plain_dataclass(frozen=True, kw_only=True)
@@ -102,6 +103,8 @@ def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) ->
             raise InputError(
                 f"period = {found.period:g} s given, for the rigid plant it must be a multiple of {tether.INTERVAL:g} s"
             )
+    sensors.check(found.sensors, robots=1)
+    filter_parameters.check(found.filter)
     return found
 
 
@@ -110,13 +113,12 @@ def dump(asked: Request) -> str:
     return tomli_w.dumps(asdict(asked))
 
 
-def run(asked: Request, progress: Progress = lambda share: None, parameters: Parameters = DEFAULT) -> Outcome:
+def run(asked: Request, progress: Progress = lambda share: None) -> Outcome:
     """Runs the experiment.
 
     Args:
         asked: What is asked for.
         progress: Told the share of the work that is done.
-        parameters: Of the estimators.
     """
     example: Chunk | None = None
     scores: dict[build.Name, list[Scores]] = {name: [] for name in build.NAMES}
@@ -127,7 +129,7 @@ def run(asked: Request, progress: Progress = lambda share: None, parameters: Par
         def tell(share: float, begin: int = begin, count: int = count) -> None:
             progress((begin + share * count) / asked.runs)
 
-        chunk = follow(asked, begin, count, tell, parameters)
+        chunk = follow(asked, begin, count, tell)
         example = example or chunk
         for name in build.NAMES:
             scores[name].append(chunk.scores[name])
@@ -141,13 +143,7 @@ def run(asked: Request, progress: Progress = lambda share: None, parameters: Par
     )
 
 
-def follow(
-    asked: Request,
-    begin: int,
-    count: int,
-    progress: Progress = lambda share: None,
-    parameters: Parameters = DEFAULT,
-) -> Chunk:
+def follow(asked: Request, begin: int, count: int, progress: Progress = lambda share: None) -> Chunk:
     """Drives some runs, records their sensors and follows the record with every estimator.
 
     Args:
@@ -155,20 +151,18 @@ def follow(
         begin: Number of the first run.
         count: Number of runs R.
         progress: Told the share of the work that is done.
-        parameters: Of the estimators.
     """
     driving = _DRIVING[asked.plant]
     driven = _drive(asked, begin, count, lambda share: progress(driving * share))
     samples = replay.record(driven, asked.sensors, asked.period, asked.seed, begin)
     truth = driven.thinned(round(asked.period / driven.interval))
-    assert samples.errors is not None  # they were simulated
-    state = estimation_scores.ten_states(truth, samples.errors)
+    state = estimation_scores.ten_states(truth, samples)
     first = int(np.searchsorted(truth.time, DROPPED - 1e-9))
     tracks: dict[build.Name, Track] = {}
     fits: dict[build.Name, BestFit] = {}
     scores: dict[build.Name, Scores] = {}
     for index, name in enumerate(build.NAMES):
-        estimator = build.build(name, (count,), parameters)
+        estimator = build.build(name, (count,), asked.filter)
         consistency = Consistency(estimator, state, first)
         tracks[name] = replay.follow(samples, estimator, consistency.look)
         scores[name], fits[name] = estimation_scores.judge(asked.path, tracks[name], truth, consistency, first)

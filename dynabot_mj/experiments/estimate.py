@@ -14,6 +14,7 @@ from dynabot_mj.replay import Track
 from estimation import build
 from estimation.build import Implementation, Name
 from estimation.measurements import STALE, wrap
+from estimation.parameters import DEFAULT, Parameters
 
 Progress = Callable[[float], None]
 
@@ -54,6 +55,7 @@ class Replay:
 
     name: str  # of the log
     filters: Implementation
+    parameters: Parameters
     log: Log
     tracks: dict[Name, Track]  # arrays (N, 1, ...)
     rows: tuple[Row, ...]
@@ -64,6 +66,7 @@ def run(
     log: Log,
     estimators: Sequence[Name] = build.NAMES,
     filters: Implementation = "batched",
+    parameters: Parameters = DEFAULT,
     progress: Progress = lambda share: None,
 ) -> Replay:
     """Runs estimators over a log, each from its first row.
@@ -73,6 +76,7 @@ def run(
         log: What the sensors said.
         estimators: Which ones.
         filters: Their implementation.
+        parameters: What they assume of the sensors.
         progress: Told the share of the work that is done.
     """
     chosen = list(dict.fromkeys(estimators))
@@ -82,11 +86,11 @@ def run(
         done = len(tracks)
         tracks[estimator] = replay.follow(
             samples,
-            build.build(estimator, (1,), implementation=filters),
+            build.build(estimator, (1,), parameters, filters),
             lambda index, done=done: progress((done + (index + 1) / count) / len(chosen)),  # type: ignore[misc]
         )
     rows = tuple(_row(estimator, log, track) for estimator, track in tracks.items())
-    return Replay(name=name, filters=filters, log=log, tracks=tracks, rows=rows)
+    return Replay(name=name, filters=filters, parameters=parameters, log=log, tracks=tracks, rows=rows)
 
 
 def errors(log: Log, track: Track) -> Errors:
@@ -105,6 +109,7 @@ def document(found: Replay) -> dict[str, Any]:
         "log": found.name,
         "duration_s": float(time[-1] - time[0]),
         "filters": found.filters,
+        "parameters": asdict(found.parameters),  # the [filter] table
         "rows": [asdict(row) for row in found.rows],
     }
 

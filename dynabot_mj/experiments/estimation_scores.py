@@ -17,7 +17,7 @@ from dynabot_mj.experiments import best_fit
 from dynabot_mj.experiments.best_fit import BestFit
 from dynabot_mj.experiments.kinematic import PathName
 from dynabot_mj.ground_truth import GroundTruth
-from dynabot_mj.replay import Track
+from dynabot_mj.replay import Samples, Track
 from estimation import motion
 from estimation.estimator import Estimator
 from estimation.measurements import rotation, wrap
@@ -69,9 +69,7 @@ class Consistency:
             state, covariance = self._estimator.filter.moments()
             # One whose numbers broke down waits for its next fix, and its run gets no score.
             covariance = np.where(self._estimator.filter.sound()[:, None, None], covariance, np.eye(motion.STATES))
-            error = state - self._state[index]
-            error[:, motion.HEADING] = wrap(error[:, motion.HEADING])
-            self._nees += (error[:, None] @ np.linalg.solve(covariance, error[..., None]))[:, 0, 0]
+            self._nees += nees(less(state, self._state[index]), covariance)
             self._samples += 1
         rows, updates = self._estimator.fix_updates
         for update in updates:
@@ -89,15 +87,28 @@ class Consistency:
         return np.where(self._fixes > 0, self._nis / np.maximum(self._fixes, 1), np.nan)
 
 
-def ten_states(truth: GroundTruth, errors: Array) -> Array:
+def ten_states(truth: GroundTruth, samples: Samples) -> Array:
     """Returns what the filters estimate as it truly is, (N, R, 10).
 
     Args:
         truth: At N times.
-        errors: Biases of gyro, accelerometer and GPS position, (N, R, 5); see `replay.Samples`.
+        samples: Of the same times, simulated: their true errors are the biases.
     """
+    assert samples.errors is not None
     velocity_b = motion.turned(rotation(-truth.heading), truth.velocity_w)
-    return np.concatenate([truth.position_w, velocity_b, truth.heading[..., None], errors], axis=-1)
+    return np.concatenate([truth.position_w, velocity_b, truth.heading[..., None], samples.errors], axis=-1)
+
+
+def less(state: Array, truth: Array) -> Array:
+    """Returns the errors of ten states, (R, 10) each, that of the heading wrapped."""
+    error: Array = state - truth
+    error[:, motion.HEADING] = wrap(error[:, motion.HEADING])
+    return error
+
+
+def nees(error: Array, covariance: Array) -> Array:
+    """Returns the normalised squares of errors, (R,), from (R, s) and (R, s, s)."""
+    return (error[:, None] @ np.linalg.solve(covariance, error[..., None]))[:, 0, 0]
 
 
 def judge(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dynabot_mj import replay
+from dynabot_mj.arrays import Array
 from dynabot_mj.experiments import kinematic
 from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.sensors import SensorOptions
@@ -33,13 +34,9 @@ def drive(options: SensorOptions, runs: int, seed: int, duration: float) -> Driv
     """
     fine = kinematic.follow("circle", runs, seed, duration, PERIOD / _LOOKS)
     samples = replay.record(fine, options, PERIOD, seed)
-    chosen = slice(None, None, _LOOKS)
-    truth = GroundTruth(
-        time=fine.time[chosen],
-        position_w=fine.position_w[chosen],
-        velocity_w=fine.velocity_w[chosen],
-        heading=fine.heading[chosen],
-        yaw_rate=fine.yaw_rate[chosen],
-        specific_impulse_b=fine.specific_impulse_b[chosen],
-    )
-    return Drives(truth=truth, samples=samples)
+    return Drives(truth=fine.thinned(_LOOKS), samples=samples)
+
+
+def rms(values: Array) -> float:
+    """Returns the root mean square of all values."""
+    return float(np.sqrt((values**2).mean()))

@@ -113,4 +113,4 @@ def _digits(value: float) -> float:
 
 
 def _text(sequences: tuple[Sequence, ...]) -> str:
-    return " + ".join(f"{one.deviation:.2g} / {one.time_s:.2g}" for one in sequences) or "-"
+    return " + ".join(f"{one.deviation:.2g} / {float(f'{one.time_s:.2g}'):g}" for one in sequences) or "-"

@@ -16,7 +16,7 @@ def test_colours_are_given_once():
 
 
 def test_trajectories_show_both_plants_and_the_wells_rings(dataset):
-    figure = figures.trajectories(dataset, "coupled")
+    figure = figures.trajectories(dataset, "coupled", "gauss-markov")
     whole, near = figure.axes[:2], figure.axes[2:]
     assert [axis.get_title() for axis in whole] == ["point masses", "rigid bodies"]
     labels = [line.get_label() for line in near[0].lines]
@@ -43,5 +43,5 @@ def test_bars_are_paper_particle_and_rigid_of_each_method(dataset, tmp_path):
 
 def test_the_same_figure_is_the_same_file(dataset, tmp_path):
     for name in ("a.png", "b.png"):
-        figures.save(figures.trajectories(dataset, "perfect"), tmp_path / name)
+        figures.save(figures.trajectories(dataset, "perfect", ""), tmp_path / name)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()

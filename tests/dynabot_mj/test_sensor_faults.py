@@ -1,6 +1,8 @@
 import numpy as np
 import pytest
 
+from dynabot_mj import sensor_faults
+from dynabot_mj.errors import InputError
 from dynabot_mj.sensor_faults import Fault, Faults
 
 FIX = np.arange(12.0).reshape(2, 3, 2)
@@ -62,3 +64,11 @@ def test_dropped_samples_are_missing_at_random():
 def test_a_magnetic_fault_turns_the_bearing():
     turned = faults(Fault(kind="magnetic", size=0.5)).samples("magnetometer", FIX[..., 0], 0.0)
     np.testing.assert_array_equal(turned, FIX[..., 0] + 0.5)
+
+
+def test_faults_that_never_act_are_refused():
+    sensor_faults.check([Fault(kind="outage"), Fault(kind="jump", robots=(0, 2))], 3)
+    with pytest.raises(InputError, match="a fault from 2 to 1 s given, it never acts"):
+        sensor_faults.check([Fault(kind="outage", start=2.0, end=1.0)], 3)
+    with pytest.raises(InputError, match="robot 3 given, there are the robots 0 to 2"):
+        sensor_faults.check([Fault(kind="outage", robots=(0, 3))], 3)

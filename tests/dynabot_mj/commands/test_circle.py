@@ -23,7 +23,9 @@ def test_circle_writes_its_results_and_repeats_them_from_its_file(tmp_path, caps
 
 
 def test_circle_prints_a_table_of_other_sensors(tmp_path, capsys):
-    (tmp_path / "better.toml").write_text("runs = 3\nduration = 30.0\n[sensors.gps]\nposition_noise = 0.1\n")
+    (tmp_path / "better.toml").write_text(
+        "runs = 3\nduration = 30.0\n[sensors.gps]\nposition_noise = 0.1\n[filter]\nposition_noise = 0.1\n"
+    )
     options = ["--config", str(tmp_path / "better.toml"), "--runs", "1", "--path", "line", "--out", str(tmp_path)]
     assert cli.main(["circle", *options]) == 0
     out = capsys.readouterr().out
@@ -52,10 +54,12 @@ def test_without_any_fix_there_is_no_figure_of_merit(tmp_path, capsys):
         (["--plant", "rigid", "--path", "line"], "its tether allows: circle"),
         (["--config", "nowhere.toml"], "cannot read the configuration nowhere.toml"),
         (["--log", "log.txt"], ".csv and .nc"),
+        (["--log", "log.csv", "--config", "late.toml"], "stamp_error = 0.2 s given, it must not exceed gps.latency"),
     ],
 )
 def test_bad_input_is_told_in_one_line(options, what, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "late.toml").write_text("[sensors.gps]\nstamp_error = 0.2\n")
     assert cli.main(["circle", *options]) == 2
     error = capsys.readouterr().err
     assert what in error

@@ -64,6 +64,13 @@ def test_filters_whose_assumptions_hold_are_consistent(outcome):
     assert outcome.scores["coupled"].nees.mean() > 2.0 * scores.nees.mean()
 
 
+def test_filters_assume_what_the_request_says(outcome):
+    tree = {"filter": {"bearing_noise": 10.0}}
+    scores = circle.run(circle.request(tree, runs=2, duration=40.0)).scores
+    for name in NAMES:  # whose headings are the gyro's alone, and turned by the first bearing's error
+        assert scores[name].heading_rms.mean() != pytest.approx(outcome.scores[name].heading_rms[:2].mean(), rel=0.05)
+
+
 @pytest.mark.parametrize("plant", circle.PLANTS)
 def test_a_run_does_not_depend_on_those_beside_it(plant):
     asked = circle.request({}, duration=30.0, seed=5, plant=plant)
@@ -95,9 +102,13 @@ def test_the_other_paths_are_judged_by_their_own_shape(path):
 
 
 def test_a_request_survives_its_toml():
-    tree = {"period": 0.156, "sensors": {"gps": {"latency": 0.0}, "faults": [{"kind": "jump", "size": 15.0}]}}
-    asked = circle.request(tree, runs=7)
-    assert (asked.runs, asked.sensors.gps.latency, asked.sensors.faults[0].size) == (7, 0.0, 15.0)
+    tree = {
+        "period": 0.156,
+        "sensors": {"gps": {"latency": 0.02, "stamp_error": 0.0}, "faults": [{"kind": "jump", "size": 15.0}]},
+    }
+    asked = circle.request({**tree, "filter": {"velocity_noise": 0.5}}, runs=7)
+    assert (asked.runs, asked.sensors.gps.latency, asked.sensors.faults[0].size) == (7, 0.02, 15.0)
+    assert (asked.filter.velocity_noise, asked.filter.position_noise) == (0.5, DEFAULT.position_noise)
     assert circle.request(tomllib.loads(circle.dump(asked))) == asked
 
 
@@ -109,6 +120,12 @@ def test_a_request_survives_its_toml():
         ({"period": float("nan")}, "period"),
         ({"sensors": {"gps": {"noise": 1.0}}}, "unknown key sensors.gps.noise"),
         ({"sensors": {"imu": {"acceleration_bias": -1.0}}}, "sensors.imu.acceleration_bias = -1.0"),
+        ({"sensors": {"gps": {"latency": 0.02}}}, "sensors.gps.stamp_error = 0.03 s given, it must not exceed"),
+        ({"sensors": {"faults": [{"kind": "jump", "start": 5.0, "end": 5.0}]}}, "from 5 to 5 s given, it never acts"),
+        ({"sensors": {"faults": [{"kind": "jump", "robots": [1]}]}}, "robot 1 given, there are the robots 0 to 0"),
+        ({"filter": {"gate": 1.0}}, "filter.gate = 1 given, it must be between 0 and 1"),
+        ({"filter": {"fix_patience": 0.0}}, "filter.fix_patience = 0 given, it must be positive and finite"),
+        ({"filter": {"noise": 1.0}}, "unknown key filter.noise"),
         ({"plant": "rigid", "path": "line"}, "its tether allows: circle"),
         ({"plant": "rigid", "period": 0.05}, "multiple of 0.009 s"),
     ],

@@ -7,13 +7,15 @@ import pytest
 from dynabot_mj import cli, logs, replay, replay_figures
 from dynabot_mj.experiments import estimate, kinematic
 from dynabot_mj.sensor_faults import Fault
-from dynabot_mj.sensors import SensorOptions
+from dynabot_mj.sensors import SensorOptions, WheelErrors
 from estimation import build
+from estimation.parameters import DEFAULT
 
 
 def recorded(duration, *faults):
     truth = kinematic.follow("circle", 1, 5, duration, 0.018)
-    return logs.from_run(replay.record(truth, SensorOptions(faults=faults), 0.036, 5), truth, 0)
+    samples = replay.record(truth, SensorOptions(faults=faults), 0.036, 5)
+    return logs.from_run(samples, truth, 0, WheelErrors())
 
 
 @pytest.fixture(scope="module")
@@ -129,6 +131,21 @@ def test_the_command_runs_the_estimators_that_are_asked_for(log, tmp_path, capsy
     visible = {file.name for file in folder.iterdir() if not file.name.startswith(".")}
     assert visible == {"estimate.json", "estimate.md", "estimate.png", "track_coupled.csv"}
     assert json.loads((folder / "estimate.json").read_text())["filters"] == "filterpy"
+
+
+def test_the_filters_assume_what_the_configuration_says(found, log, tmp_path, capsys):
+    path, config = tmp_path / "log.csv", tmp_path / "robot.toml"
+    logs.write(path, log)
+    options = ["estimate", str(path), "--config", str(config), "--out", str(tmp_path / "out"), "--json"]
+    config.write_text("runs = 3\n[filter]\nposition_noise = 5.0\n")
+    assert cli.main(options) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["parameters"] == dataclasses.asdict(DEFAULT) | {"position_noise": 5.0}
+    coupled = document["rows"][-1]
+    assert coupled["final_position_m"] != pytest.approx(found.rows[-1].final_position_m, abs=0.01)
+    config.write_text("[filter]\nposition_noise = -5.0\n")
+    assert cli.main(options) == 2
+    assert capsys.readouterr().err == "dynabot: filter.position_noise = -5 given, it must be positive and finite\n"
 
 
 def test_a_malformed_log_is_one_line_and_exit_code_2(log, tmp_path, capsys):

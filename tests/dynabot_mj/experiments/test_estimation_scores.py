@@ -101,7 +101,7 @@ def test_the_true_states_have_their_velocity_in_body_axes():
     truth = kinematic.follow("circle", RUNS, 0, 20.0, 0.1)
     errors = np.zeros((*truth.heading.shape, 5))
     errors[...] = np.arange(5.0, 10.0)
-    state = estimation_scores.ten_states(truth, errors)
+    state = estimation_scores.ten_states(truth, SimpleNamespace(errors=errors))
     np.testing.assert_allclose(state[-1, :, 2:4], [[kinematic.SPEED, 0.0]] * RUNS, atol=1e-12)
     np.testing.assert_array_equal(state[-1, :, 4], truth.heading[-1])
     np.testing.assert_array_equal(state[-1, 0, 5:], np.arange(5.0, 10.0))

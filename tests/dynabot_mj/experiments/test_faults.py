@@ -1,10 +1,9 @@
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from dynabot_mj.experiments import faults
+from dynabot_mj.experiments import faults, troubles
 
 # Whose heading is learned again from bearings that iron draws off: it takes more than a lap to average that out.
 HEADING_LOST = ("bearing off", "starts turned", "gyro frozen from rest")
@@ -21,7 +20,7 @@ def named(report, part, estimator):
 
 
 def test_every_fault_is_judged_for_every_estimator(report):
-    assert len(report.costs) == 3 * len(faults.troubles())
+    assert len(report.costs) == 3 * len(troubles.every())
 
 
 def test_nothing_is_ever_not_finite_and_nobody_starts_again(report):
@@ -91,16 +90,9 @@ def test_a_fault_that_breaks_an_estimator_would_show(monkeypatch):
     stubborn = replace(faults.build.DEFAULT, fix_patience=np.inf, bearing_patience=np.inf)
     built = faults.build.build
     monkeypatch.setattr(faults.build, "build", lambda name, shape: built(name, shape, stubborn))
-    (trouble,) = (one for one in faults.troubles() if "ends at rest" in one.name)
+    (trouble,) = (one for one in troubles.every() if "ends at rest" in one.name)
     found = faults.run(2, runs=2, chosen=[trouble])
     assert named(found, "", "coupled").position_recovery_s is None
-
-
-def test_document_and_table(report):
-    document = json.loads(json.dumps(faults.document(report), allow_nan=False))
-    assert document["runs"] == 4
-    assert {row["estimator"] for row in document["faults"]} == {"gps", "decoupled", "coupled"}
-    assert "| GPS outage, 5 s" in faults.markdown(report)
 
 
 @pytest.mark.slow

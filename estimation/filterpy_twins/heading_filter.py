@@ -1,0 +1,57 @@
+"""The twin of `estimation.heading_filter`: x = [phi, b_r].
+
+FilterPy subtracts angles without wrapping, so a bearing z is passed as phi + wrap(z - phi).
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from estimation import kalman
+from estimation.filterpy_twins.filters import judged, linear
+from estimation.kalman import Update
+from estimation.measurements import ImuSample, wrap
+from estimation.parameters import Parameters
+
+Array = npt.NDArray[np.float64]
+
+
+class HeadingFilter:
+    """Heading and gyro bias."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        """Starts at heading zero; see `begin`."""
+        self._parameters = parameters
+        self.filter = linear(1.0, 0.0)
+        self.begin(np.zeros(()))
+
+    def begin(self, bearing: Array) -> None:
+        """Starts with a bearing."""
+        p = self._parameters
+        self.filter.x = np.array([bearing, 0.0])
+        self.filter.P = np.diag([p.bearing_noise**2, p.yaw_rate_bias**2])
+
+    def believe(self, bearing: Array) -> None:
+        """Sets the heading to a bearing."""
+        bias_variance = self.filter.P[1, 1]
+        self.filter.x = np.array([bearing, self.filter.x[1]])
+        self.filter.P = np.diag([self._parameters.bearing_noise**2, bias_variance])
+
+    def predict(self, imu: ImuSample) -> Array:
+        """Carries the state over a period and returns the mean yaw rate in it."""
+        p, t = self._parameters, imu.period
+        yaw_rate: Array = imu.yaw_rate - self.filter.x[1]
+        self.filter.predict(
+            u=imu.yaw_rate[None],
+            B=np.array([[t], [0.0]]),
+            F=np.array([[1.0, -t], [0.0, 1.0]]),
+            Q=np.diag([p.yaw_rate_density**2 * t, p.yaw_rate_bias_walk**2 * t]),
+        )
+        return yaw_rate
+
+    def see_bearing(self, bearing: Array) -> Update:
+        """Takes a bearing."""
+        p, heading = self._parameters, self.filter.x[0]
+        innovation = wrap(bearing - heading)
+        noise = np.array([[p.bearing_noise**2]])
+        gate = kalman.threshold(p.gate, 1)
+        return judged(self.filter, gate, innovation[None], heading + innovation, R=noise)
