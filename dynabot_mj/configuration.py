@@ -4,6 +4,7 @@ Precedence is defaults < TOML < command line. Whatever is wrong is told in one l
 """
 
 import json
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, fields
@@ -18,6 +19,8 @@ from dynabot_mj import filter_parameters, scene, sensors
 from dynabot_mj.errors import InputError, one_line
 from dynabot_mj.scenario import Methods, Scenario, VehicleOptions, conditions, field, laws, mass, method, periods
 
+# Rise per metre up to which rigid robots with real accelerometers keep to their forces; they ran away from 0.053 on.
+_STEEPEST = 0.04
 _NONE: Mapping[str, Any] = {}
 # Tables of the options that are not top-level keys.
 _TABLES = {"utilisation": "processor", "headings": "start", "implementation": "filter"} | {
@@ -154,10 +157,17 @@ def _check_perception(setup: Scenario) -> None:
     """Checks velocity sources, filters and sensors; see `check`."""
     if setup.velocity in ("odometry", "reference") and "particle" in setup.plants:
         raise InputError(f"velocity = {setup.velocity!r} given with the plant particle; it exists on rigid robots only")
-    if setup.filter.implementation == "filterpy" and setup.trials > 1:
+    if setup.filter.implementation == "filterpy" and "filter" in setup.perception and setup.trials > 1:
         raise InputError(
             f"filter.implementation = 'filterpy' given with {setup.trials} trials; it filters one robot at a time and "
             "is for single trials: 'batched' gives the same"
+        )
+    steepness = abs(setup.vehicle.slope) + math.tan(setup.sensors.ground.slope)
+    if "rigid" in setup.plants and "filter" in setup.perception and steepness > _STEEPEST:
+        raise InputError(
+            f"vehicle.slope = {setup.vehicle.slope:g} and sensors.ground.slope = {setup.sensors.ground.slope:g} given "
+            f"with the perception filter on rigid robots, allowed are together {_STEEPEST:g}: accelerometers feel a "
+            "slope as acceleration, and on a steeper one odometry loses hold"
         )
     filter_parameters.check(setup.filter)
     sensors.check(setup.sensors, setup.robots)

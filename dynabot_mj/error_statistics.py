@@ -23,18 +23,24 @@ from estimation.gauss_markov import Component
 from estimation.measurements import wrap
 
 LAGS = (0.0, *(0.03125 * 2.0**k for k in range(11)))  # up to 32 s; each is rounded to a whole sample [s]
+MOST_SAMPLES = 20_000  # of each robot, from the beginning: more would not fit the memory, nor tell more
 _SMALLEST_SHARE = 0.02  # of the variance, below which a second sequence is not worth it
 _BETTER = 0.2  # share of the misfit that it may leave
 
 
 @dataclass(frozen=True, kw_only=True)
 class ErrorStatistics:
-    """Autocovariances of the errors of each trial; NaN where there was no error to measure, or clocks differ."""
+    """Autocovariances of the errors of each trial; NaN where there was no error to measure, or clocks differ.
+
+    A robot that does not know where it is has no error; what it does not know is told by `stale`.
+    """
 
     lag: Array  # (B, L) the same in all trials [s]
     position: Array  # (B, L) per axis [m^2]
     velocity: Array  # (B, L) per axis [m^2/s^2]
     heading: Array  # (B, L) [rad^2]
+    stale: Array  # (B,) share of the samples whose belief was stale, or that knew nothing
+    restarts: Array  # (B,) estimators that broke down and were started again
 
 
 class ErrorRecorder:
@@ -52,17 +58,23 @@ class ErrorRecorder:
         self._velocity: list[npt.NDArray[np.float32]] = []
         self._heading: list[npt.NDArray[np.float32]] = []
         self._common_clock = True
+        self._stale, self._samples = np.zeros(shape[0]), np.zeros(shape[0])
+        self._restarts = np.zeros(shape[0])
 
     def take(self, fresh: Belief, state: FleetState, error: NavigationError | None, due: BoolArray) -> None:
         """Takes what robots believe at a sample, and the heading's error where local laws have one."""
+        self._stale += (due & (fresh.stale | ~fresh.known)).sum(axis=1)
+        self._samples += due.sum(axis=1)
+        self._restarts = fresh.restarts.sum(axis=1).astype(float)
         self._common_clock &= bool(due.all())
-        if not self._common_clock:
+        if not self._common_clock or len(self._position) == MOST_SAMPLES:
             return
+        known = np.where(fresh.known, 1.0, np.nan)[..., None]
         # Single precision halves what a long study keeps, and is far finer than what is made of it.
-        self._position.append((fresh.position_w - state.position_w).astype(np.float32))
-        self._velocity.append((fresh.velocity_w - state.velocity_w).astype(np.float32))
+        self._position.append((known * (fresh.position_w - state.position_w)).astype(np.float32))
+        self._velocity.append((known * (fresh.velocity_w - state.velocity_w)).astype(np.float32))
         if error is not None:
-            self._heading.append(wrap(error.heading).astype(np.float32)[..., None])
+            self._heading.append((known * wrap(error.heading)[..., None]).astype(np.float32))
 
     def statistics(self) -> ErrorStatistics:
         """Returns the autocovariances over all that was taken."""
@@ -72,17 +84,23 @@ class ErrorRecorder:
             position=self._autocovariance(self._position, steps),
             velocity=self._autocovariance(self._velocity, steps),
             heading=self._autocovariance(self._heading, steps),
+            stale=np.divide(self._stale, self._samples, out=np.full(self._shape[0], np.nan), where=self._samples > 0.0),
+            restarts=self._restarts,
         )
 
     def _autocovariance(self, errors: list[npt.NDArray[np.float32]], steps: Sequence[int]) -> Array:
         found = np.full((self._shape[0], len(steps)), np.nan)
         if not self._common_clock or not errors:
             return found
-        series = np.stack(errors)  # (K, B, n, axes)
-        for index, step in enumerate(steps):
-            if step < len(series):
-                product = series[: len(series) - step] * series[step:]
-                found[:, index] = product.mean(axis=(0, 2, 3), dtype=float)
+        series = np.stack(errors, axis=1)  # (B, K, n, axes): a trial's sums must not depend on how many there are
+        for trial, own in enumerate(series):
+            for index, step in enumerate(steps):
+                if step >= len(own):
+                    continue
+                product = own[: len(own) - step] * own[step:]
+                known = np.isfinite(product)
+                if known.any():
+                    found[trial, index] = np.sum(product, where=known, dtype=float) / known.sum()
         return found
 
 
@@ -94,10 +112,11 @@ def components(lag: Array, covariance: Array) -> list[Component]:
         covariance: (L,); NaN where not known.
 
     Returns:
-        The fastest first; none where there is no error.
+        The fastest first, together of the error's variance; none where there is no error.
     """
     known = np.isfinite(covariance)
-    lag, covariance = lag[known], covariance[known]
+    lag, first = np.unique(lag[known], return_index=True)  # long periods round several lags to one
+    covariance = covariance[known][first]
     if not len(lag) or covariance[0] <= 0.0:
         return []
     one, two = (_fit(lag, covariance / covariance[0], count) for count in (1, 2))
@@ -111,17 +130,20 @@ def components(lag: Array, covariance: Array) -> list[Component]:
 def _fit(lag: Array, correlation: Array, count: int) -> tuple[tuple[Array, Array], float]:
     """Returns shares of the variance and correlation times by least squares, and the sum of squares that is left."""
 
-    def missed(logarithms: Array) -> Array:
-        share, time = np.exp(logarithms).reshape(2, count)
+    def sequences(parameters: Array) -> tuple[Array, Array]:
+        share = np.concatenate([parameters[count:], [1.0 - parameters[count:].sum()]])
+        return share, np.exp(parameters[:count])
+
+    def missed(parameters: Array) -> Array:
+        share, time = sequences(parameters)
         modelled: Array = (share * np.exp(-lag[:, None] / time)).sum(axis=-1)
         return modelled - correlation
 
-    low, high = [-9.0] * count + [math.log(1e-3)] * count, [0.5] * count + [math.log(1e3)] * count
+    bounds = ([math.log(1e-3)] * count + [0.0] * (count - 1), [math.log(1e3)] * count + [1.0] * (count - 1))
     # From several starts, since the problem has more than one valley.
-    starts = [
-        [-math.log(count)] * count + np.log(np.geomspace(first, 40.0, count)).tolist() for first in (0.1, 1.0, 8.0)
-    ]
-    fits = [optimize.least_squares(missed, start, bounds=(low, high)) for start in starts]
+    fits = []
+    for fastest in (0.1, 1.0, 8.0):
+        start = np.concatenate([np.log(np.geomspace(fastest, 40.0, count)), np.full(count - 1, 0.5)])
+        fits.append(optimize.least_squares(missed, start, bounds=bounds))
     best = min(fits, key=lambda fit: float(fit.cost))
-    shares, times = np.exp(best.x).reshape(2, count)
-    return (shares, times), float(best.cost)
+    return sequences(best.x), float(best.cost)

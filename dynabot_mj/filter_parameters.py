@@ -1,12 +1,11 @@
 """The `[filter]` table of a configuration: what the filters assume of the sensors, as pydantic and we check it."""
 
-import math
 from dataclasses import fields
 
 from pydantic.dataclasses import dataclass
 
 from dynabot_mj.errors import InputError
-from dynabot_mj.validation import STRICT
+from dynabot_mj.validation import LARGEST, STRICT
 from estimation.parameters import Parameters
 
 
@@ -23,6 +22,7 @@ def check(parameters: Parameters) -> None:
     """
     for parameter in fields(Parameters):
         value = getattr(parameters, parameter.name)
-        if not 0.0 < value < (1.0 if parameter.name == "gate" else math.inf):
-            allowed = "between 0 and 1" if parameter.name == "gate" else "positive and finite"
+        share = parameter.name == "gate"
+        if not (0.0 < value < 1.0 if share else 0.0 < value <= LARGEST):
+            allowed = "between 0 and 1" if share else f"positive and at most {LARGEST:g}"
             raise InputError(f"filter.{parameter.name} = {value:g} given, it must be {allowed}")

@@ -45,9 +45,8 @@ class FilterPerception:
         felt = GRAVITY * np.sin(np.arctan(uphill))
         felt_b = felt * np.stack([np.cos(start.heading), -np.sin(start.heading)], axis=-1)
         self._sampled_at = np.zeros(start.heading.shape)
-        self._error = NavigationError(
-            heading=np.zeros(start.heading.shape), yaw_rate=np.zeros(start.heading.shape), acceleration_b=0.0 * felt_b
-        )
+        self._heading_error, self._yaw_rate_error = np.zeros(start.heading.shape), np.zeros(start.heading.shape)
+        self._force_error_b = np.zeros((*start.heading.shape, 2))
 
         def rest(time: float) -> FleetState:
             return replace(start, time=time, specific_impulse_b=start.specific_impulse_b + time * felt_b)
@@ -58,6 +57,7 @@ class FilterPerception:
         for time in times:
             self.look(rest(time))
             self.observe(rest(time), everybody)
+        self.look(rest(0.0))
 
     def look(self, state: FleetState) -> None:
         """Lets the receivers latch their fixes."""
@@ -69,21 +69,28 @@ class FilterPerception:
         estimate = self._estimator.step(imu, fix, due)
         known = estimate.known
         self._sampled_at = np.where(due, state.time, self._sampled_at)
-        last = self._error
         # A robot that does not know where it is stands still: there is nothing to mislead its local laws.
-        fresh = NavigationError(
-            heading=np.where(known, wrap(estimate.heading - state.heading), 0.0),
-            yaw_rate=np.where(known, self._sensors.yaw_rate_error - estimate.yaw_rate_bias, 0.0),
-            acceleration_b=np.where(known[..., None], self._sensors.force_error_b - estimate.acceleration_bias_b, 0.0),
+        misled = due & known
+        self._heading_error = np.where(misled, wrap(estimate.heading - state.heading), self._heading_error)
+        self._yaw_rate_error = np.where(
+            misled, self._sensors.yaw_rate_error - estimate.yaw_rate_bias, self._yaw_rate_error
         )
-        self._error = NavigationError(
-            heading=np.where(due, fresh.heading, last.heading),
-            yaw_rate=np.where(due, fresh.yaw_rate, last.yaw_rate),
-            acceleration_b=np.where(due[..., None], fresh.acceleration_b, last.acceleration_b),
+        self._force_error_b = np.where(
+            misled[..., None], self._sensors.force_error_b - estimate.acceleration_bias_b, self._force_error_b
         )
-        return Belief(position_w=estimate.position_w, velocity_w=estimate.velocity_w, known=known)
+        return Belief(
+            position_w=estimate.position_w,
+            velocity_w=estimate.velocity_w,
+            known=known,
+            stale=estimate.stale,
+            restarts=estimate.restarts,
+        )
 
     def navigation_error(self, time: float) -> NavigationError:
         """Returns what the local laws' signals are off by at a time [s]."""
         since: Array = time - self._sampled_at
-        return replace(self._error, heading=self._error.heading + since * self._error.yaw_rate)
+        return NavigationError(
+            heading=self._heading_error + since * self._yaw_rate_error,
+            yaw_rate=self._yaw_rate_error,
+            acceleration_b=self._force_error_b,
+        )

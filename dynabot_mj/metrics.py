@@ -194,15 +194,20 @@ class Scorer:
             self._final.append(interpolate(self._previous, state, time) - self._leader_w)
         self._previous = state
 
-    def scores(self) -> Scores:
-        """Returns the outcome after the last look and the last control event."""
+    def scores(self, started: BoolArray | None = None) -> Scores:
+        """Returns the outcome after the last look and the last control event.
+
+        Args:
+            started: Trials whose robots have all acted at some time, (B,); others rest where they are put, which is not
+                settling. None: all.
+        """
         judged = self._duration >= SHORTEST_JUDGED
         collision = self._closest < self._formation.collision_distance
         undefined: Array = np.full(len(collision), np.nan)
         settling, completion, common = undefined, undefined, undefined
         if judged:
             settling = settling_time(np.array(self._times), np.array(self._radii), self._formation.settling_band)
-            settling = np.where(collision, np.nan, settling)
+            settling = np.where(collision | (False if started is None else ~started), np.nan, settling)
             completed: BoolArray = self._annulus
             if self._formation.tolerance > 0.0:
                 positions = np.stack(self._final)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+import numpy.typing as npt
 
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.plants import FleetState, NavigationError
@@ -24,6 +25,8 @@ class Belief:
     position_w: Array  # (B, n, 2) [m]
     velocity_w: Array  # (B, n, 2) [m/s]
     known: BoolArray  # (B, n) whether it knows where it is at all; one that does not neither acts nor broadcasts
+    stale: BoolArray  # (B, n) whether it has been carried on without a fix for long
+    restarts: npt.NDArray[np.int64]  # (B, n) times that an estimator broke down and was started again
 
     def renewed(self, fresh: "Belief", due: BoolArray) -> "Belief":
         """Returns this belief with that of the robots that are due, (B, n), replaced by a fresh one."""
@@ -31,7 +34,21 @@ class Belief:
             position_w=np.where(due[..., None], fresh.position_w, self.position_w),
             velocity_w=np.where(due[..., None], fresh.velocity_w, self.velocity_w),
             known=np.where(due, fresh.known, self.known),
+            stale=np.where(due, fresh.stale, self.stale),
+            restarts=np.where(due, fresh.restarts, self.restarts),
         )
+
+
+def certain(position_w: Array, velocity_w: Array) -> Belief:
+    """Returns the belief of robots that know where they are, (B, n, 2) each [m], [m/s]."""
+    shape = position_w.shape[:2]
+    return Belief(
+        position_w=position_w,
+        velocity_w=velocity_w,
+        known=np.ones(shape, dtype=bool),
+        stale=np.zeros(shape, dtype=bool),
+        restarts=np.zeros(shape, dtype=np.int64),
+    )
 
 
 class Perception(Protocol):
@@ -71,7 +88,7 @@ class PerfectPerception(_Ideal):
 
     def observe(self, state: FleetState, due: BoolArray) -> Belief:
         """Returns the true state."""
-        return Belief(position_w=state.position_w, velocity_w=state.velocity_w, known=np.ones_like(due))
+        return certain(state.position_w, state.velocity_w)
 
 
 class ErrorSequence:
@@ -138,11 +155,7 @@ class GaussMarkovPerception(_Ideal):
 
     def observe(self, state: FleetState, due: BoolArray) -> Belief:
         """Returns the true state with the position off by the errors of this sample."""
-        return Belief(
-            position_w=state.position_w + self._error.next(due),
-            velocity_w=state.velocity_w,
-            known=np.ones_like(due),
-        )
+        return certain(state.position_w + self._error.next(due), state.velocity_w)
 
 
 class FittedPerception:
@@ -185,18 +198,13 @@ class FittedPerception:
     def observe(self, state: FleetState, due: BoolArray) -> Belief:
         """Returns the true state with the errors of this sample."""
         self._heading_error = self._heading.next(due)
-        return Belief(
-            position_w=state.position_w + self._position.next(due),
-            velocity_w=state.velocity_w + self._velocity.next(due),
-            known=np.ones_like(due),
-        )
+        return certain(state.position_w + self._position.next(due), state.velocity_w + self._velocity.next(due))
 
     def look(self, state: FleetState) -> None:
         """Nothing is sensed between samples."""
 
     def navigation_error(self, time: float) -> NavigationError:
         """Returns the heading's error; gyro and accelerometer have none here."""
-        zero = np.zeros_like(self._heading_error)
         return NavigationError(
-            heading=self._heading_error, yaw_rate=zero, acceleration_b=np.stack([zero, zero], axis=-1)
+            heading=self._heading_error, yaw_rate=np.zeros_like(self._heading_error), acceleration_b=None
         )

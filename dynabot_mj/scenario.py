@@ -149,7 +149,7 @@ class FilterOptions(Parameters):
     """The real filters: what they assume of the sensors, and how they are run."""
 
     implementation: Implementation = "batched"  # filterpy: FilterPy's own, one robot at a time
-    alignment: NotNegative = 4.0  # time at rest before the start [s]; ours
+    alignment: Annotated[float, Field(ge=0.0, le=600.0)] = 4.0  # time at rest before the start [s]; ours
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

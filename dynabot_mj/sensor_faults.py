@@ -16,7 +16,7 @@ from pydantic.dataclasses import dataclass
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.errors import InputError
 from dynabot_mj.streams import Draws, Purpose
-from dynabot_mj.validation import STRICT
+from dynabot_mj.validation import LARGEST, STRICT
 
 FaultKind = Literal["outage", "jump", "magnetic", "dropped", "frozen", "nan"]
 Channel = Literal["gps_position", "gps_velocity", "accelerometer", "gyro", "magnetometer"]
@@ -27,10 +27,10 @@ class Fault:
     """One fault."""
 
     kind: FaultKind
-    channel: Channel = "gps_position"  # of dropped, frozen and nan; the other kinds have one of their own
+    channel: Channel | None = None  # of dropped, frozen and nan; the other kinds have one of their own
     start: float = 0.0  # [s]
     end: float = math.inf  # [s]
-    size: float = 0.0  # of a jump [m], of the bearing's turn [rad], share of the samples that are dropped
+    size: float | None = None  # of a jump [m], of the bearing's turn [rad]; share of the samples that are dropped
     robots: tuple[Annotated[int, Field(ge=0)], ...] = ()  # that have it, counted from 0; (): all
 
 
@@ -47,8 +47,29 @@ def check(faults: Sequence[Fault], robots: int) -> None:
     for fault in faults:
         if not fault.start < fault.end:
             raise InputError(f"sensors.faults: a fault from {fault.start:g} to {fault.end:g} s given, it never acts")
+        _check_parts(fault)
         if fault.robots and max(fault.robots) >= robots:
             raise InputError(f"sensors.faults: robot {max(fault.robots)} given, there are the robots 0 to {robots - 1}")
+
+
+def _check_parts(fault: Fault) -> None:
+    """Checks that a fault has the parts that its kind needs, and no others."""
+    needs = {
+        "channel": fault.kind in ("dropped", "frozen", "nan"),
+        "size": fault.kind in ("jump", "magnetic", "dropped"),
+    }
+    for name, needed in needs.items():
+        given = getattr(fault, name)
+        if needed != (given is not None):
+            told = f"{name} = {given}" if given is not None else f"no {name}"
+            raise InputError(
+                f"sensors.faults: {told} given with {fault.kind}, which needs {'one' if needed else 'none'}"
+            )
+    if fault.size is not None:
+        share = fault.kind == "dropped"
+        if not (0.0 < fault.size <= 1.0 if share else 0.0 < abs(fault.size) <= LARGEST):
+            allowed = "above 0 and at most 1" if share else f"not 0, and at most {LARGEST:g}"
+            raise InputError(f"sensors.faults: size = {fault.size:g} given with {fault.kind}, it must be {allowed}")
 
 
 class Faults:
@@ -75,7 +96,7 @@ class Faults:
             if fault.kind == "outage":
                 received &= ~self._acts(index, time)
             elif fault.kind == "jump":
-                position_w = position_w + np.where(self._acts(index, time)[:, None], [fault.size, 0.0], 0.0)
+                position_w = position_w + np.where(self._acts(index, time)[:, None], [fault.size or 0.0, 0.0], 0.0)
         return self.samples("gps_position", position_w, time), self.samples("gps_velocity", velocity_w, time), received
 
     def samples(self, channel: Channel, value: Array, time: float) -> Array:
@@ -83,7 +104,7 @@ class Faults:
         for index, fault in enumerate(self._faults):
             acts = self._acts(index, time)
             if fault.kind == "magnetic" and channel == "magnetometer":
-                value = value + np.where(acts, fault.size, 0.0)
+                value = value + np.where(acts, fault.size or 0.0, 0.0)
             elif fault.kind in ("dropped", "frozen", "nan") and fault.channel == channel:
                 value = self._afflicted(index, value, acts)
         return value
@@ -92,7 +113,7 @@ class Faults:
         has = np.broadcast_to(acts, value.shape[:2])
         other: Array | float = np.nan
         if self._faults[index].kind == "dropped":
-            has = has & (self._chance.next() < self._faults[index].size)
+            has = has & (self._chance.next() < (self._faults[index].size or 0.0))
         if self._faults[index].kind == "frozen":
             other = self._said.get(index, value)
         value = np.where(has.reshape(*has.shape, *[1] * (value.ndim - 2)), other, value)

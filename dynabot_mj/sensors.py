@@ -11,7 +11,8 @@ Magnetic   bearing, drawn off by iron on the robot (once and twice per turn), by
 Wheels     speeds and motor currents, with the resolution of their converters.
 
 Errors of the inertial unit are drawn at the beginning of the period that they hold for, since local laws use its
-signals within the period. A missing sample is NaN.
+signals within the period. Each event takes one row of random numbers for all robots of a trial, whoever samples. A
+missing sample is NaN.
 """
 
 import math
@@ -19,8 +20,10 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 from scipy import special
 
@@ -43,8 +46,11 @@ GRAVITY = 9.81  # [m/s^2]
 class GpsErrors:
     """The receiver. The paper gives its rate only; the errors are of a single-frequency receiver of its time."""
 
-    period: Positive = TASK_TIMES.gps_period  # T_g, between two fixes [s]
-    latency: NotNegative = 0.15  # from the instant that a fix is true at to its arrival [s]; to compute and send it
+    # T_g, between two fixes [s]
+    period: Annotated[float, Field(ge=0.01, le=60.0)] = TASK_TIMES.gps_period
+    latency: Annotated[float, Field(ge=0.0, le=0.5)] = (
+        0.15  # from the instant that a fix is true at to its arrival [s]; to compute and send it
+    )
     stamp_error: float = 0.03  # by how much the fix is older than its stamp says [s]; an uncalibrated serial line
     position_noise: NotNegative = 1.0  # white, per axis [m]
     position_bias: NotNegative = 0.75  # Gauss-Markov, per axis [m]; ionosphere, orbits
@@ -209,6 +215,8 @@ class Sensors:
             np.zeros(shape),
             np.zeros(shape),
         )
+        self._force_fault, self._gyro_fault = np.zeros((*shape, 2)), np.zeros(shape)
+        self._felt_b, self._turning = np.zeros((*shape, 2)), np.zeros(shape)  # the last finite samples
         self._draw(np.ones(shape, dtype=bool))
         self._read = _Reading(
             time=np.full(shape, start.time), heading=start.heading, impulse_b=start.specific_impulse_b
@@ -224,12 +232,12 @@ class Sensors:
     @property
     def force_error_b(self) -> Array:
         """What the accelerometers are off by in the period that has begun, but for their scale, (B, n, 2) [m/s^2]."""
-        return self._force_error + _across(self._read.heading, self._slope_w)
+        return self._force_error + self._force_fault + _across(self._read.heading, self._slope_w)
 
     @property
     def yaw_rate_error(self) -> Array:
         """What the gyros are off by in the period that has begun, but for their scale, (B, n) [rad/s]."""
-        return self._gyro_error
+        return self._gyro_error + self._gyro_fault
 
     @property
     def slow_errors(self) -> Array:
@@ -284,15 +292,21 @@ class Sensors:
         yaw_rate = (heading - last.heading) / spread
         distortion = iron.hard_iron * np.sin(heading + self._iron[..., 0])
         distortion = distortion + iron.soft_iron * np.sin(2.0 * heading + self._iron[..., 1])
+        force_b = (1.0 + self._force_scale) * force_b + self._force_error
+        yaw_rate = (1.0 + self._gyro_scale) * yaw_rate + self._gyro_error
         faulty = self._faults.samples
-        return ImuSample(
+        sample = ImuSample(
             period=period,
-            specific_force_b=faulty(
-                "accelerometer", (1.0 + self._force_scale) * force_b + self._force_error, state.time
-            ),
-            yaw_rate=faulty("gyro", (1.0 + self._gyro_scale) * yaw_rate + self._gyro_error, state.time),
+            specific_force_b=faulty("accelerometer", force_b, state.time),
+            yaw_rate=faulty("gyro", yaw_rate, state.time),
             bearing=wrap(faulty("magnetometer", heading + distortion + self._bearing_error, state.time)),
         )
+        # What a fault makes of this period's signals it makes of the next one's; where they are missing, laws and
+        # filters go on with the last ones.
+        self._felt_b = np.where(np.isfinite(sample.specific_force_b), sample.specific_force_b, self._felt_b)
+        self._turning = np.where(np.isfinite(sample.yaw_rate), sample.yaw_rate, self._turning)
+        self._force_fault, self._gyro_fault = self._felt_b - force_b, self._turning - yaw_rate
+        return sample
 
     def _arrived(self, now: float, due: BoolArray) -> GpsFix:
         """Hands over the newest fix that has arrived, where it has not been handed over before."""

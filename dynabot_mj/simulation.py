@@ -17,7 +17,14 @@ from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.error_statistics import ErrorRecorder, ErrorStatistics
 from dynabot_mj.filter_perception import FilterPerception
 from dynabot_mj.metrics import Formation, Scorer, Scores, interpolate
-from dynabot_mj.perception import Belief, FittedPerception, GaussMarkovPerception, Perception, PerfectPerception
+from dynabot_mj.perception import (
+    Belief,
+    FittedPerception,
+    GaussMarkovPerception,
+    Perception,
+    PerfectPerception,
+    certain,
+)
 from dynabot_mj.plants import FleetState, Plant
 from dynabot_mj.plants.particle import ParticlePlant
 from dynabot_mj.plants.rigid_body import RigidBodyPlant
@@ -113,8 +120,9 @@ def simulate(
     scorer = Scorer(make_formation(setup, case, field), LEADER_W, plant.state, duration_ticks * tick)
     recorder = _Recorder(plant.state, recorded, duration_ticks * tick)
     errors = ErrorRecorder(sample_ticks * tick, heading.shape)
-    unknown = np.zeros(heading.shape, dtype=bool)
-    belief = Belief(position_w=position_w, velocity_w=np.zeros_like(position_w), known=unknown)
+    nobody = np.zeros(heading.shape, dtype=bool)
+    belief = replace(certain(position_w, np.zeros_like(position_w)), known=nobody)
+    ever_known = nobody
     force_w = np.zeros_like(position_w)
     age_sum, age_count = np.zeros(len(trials)), np.zeros(len(trials))
 
@@ -125,7 +133,9 @@ def simulate(
         )
         if sampling.any():
             fresh = perception.observe(state, sampling)
-            errors.take(fresh, state, perception.navigation_error(state.time), sampling)
+            if case.perception is not None:
+                errors.take(fresh, state, perception.navigation_error(state.time), sampling)
+            ever_known = ever_known | (sampling & fresh.known)
             belief = belief.renewed(replace(fresh, velocity_w=velocity(fresh)), sampling)
             radio.broadcast(belief.position_w, time, sampling & belief.known)
         if acting.any():
@@ -146,7 +156,7 @@ def simulate(
         progress(then / duration_ticks)
     scorer.control(plant.state)
     return Outcome(
-        scores=scorer.scores(),
+        scores=scorer.scores(started=np.all(ever_known, axis=1)),
         diverged=plant.diverged.copy(),
         hull_contact=plant.hull_contact.astype(float),
         wheel_slip=plant.wheel_slip.astype(float),

@@ -44,6 +44,8 @@ _VARIABLES = {
     "position_autocovariance": ("errors.position", _LAGS, "m2", "of the believed positions' errors, per axis"),
     "velocity_autocovariance": ("errors.velocity", _LAGS, "m2 s-2", "of the believed velocities' errors, per axis"),
     "heading_autocovariance": ("errors.heading", _LAGS, "rad2", "of the headings' errors that local laws have"),
+    "stale": ("errors.stale", _TRIAL, "1", "share of the samples at which a robot had no fresh belief of its own"),
+    "restarts": ("errors.restarts", _TRIAL, "1", "estimators that broke down and were started again"),
     "final_position_w": ("final_position_w", ("trial", "robot", "axis"), "m", "position of the centre at the end"),
     "final_heading": ("final_heading", ("trial", "robot"), "rad", "heading at the end"),
     "trajectory_w": ("trajectory_w", ("recorded", "time", "robot", "axis"), "m", "path of the centre"),

@@ -31,6 +31,8 @@ class EstimateError:
     position_rms_m: float  # per axis
     velocity_rms_mps: float  # per axis
     heading_rms_deg: float | None  # of the heading that local laws use
+    stale: float  # share of the samples without a fresh belief
+    restarts: int  # of estimators that broke down
     position: tuple[Sequence, ...]  # [m]
     velocity: tuple[Sequence, ...]  # [m/s]
     heading: tuple[Sequence, ...]  # [rad]
@@ -48,6 +50,8 @@ def errors(case: xr.Dataset) -> EstimateError | None:
         position_rms_m=math.sqrt(position[0]),
         velocity_rms_mps=math.sqrt(velocity[0]),
         heading_rms_deg=math.degrees(math.sqrt(heading[0])) if np.isfinite(heading[0]) else None,
+        stale=float(case.stale.mean()),
+        restarts=int(case.restarts.sum()),
         position=_sequences(error_statistics.components(lag, position)),
         velocity=_sequences(error_statistics.components(lag, velocity)),
         heading=_sequences(error_statistics.components(lag, heading)),
@@ -90,17 +94,20 @@ def markdown(study: xr.Dataset) -> str:
                     f"{measured.velocity_rms_mps:.3f}",
                     _text(measured.velocity),
                     heading,
+                    f"{100.0 * measured.stale:.1f}",
+                    str(measured.restarts),
                 ]
             )
     if not body:
         return ""
     header = ["estimator", "plant", "perception", "position [m]", "as σ [m] / τ [s]"]
-    header += ["velocity [m/s]", "as σ [m/s] / τ [s]", "heading [°]"]
+    header += ["velocity [m/s]", "as σ [m/s] / τ [s]", "heading [°]", "stale [%]", "restarts"]
     return "\n".join(["## Errors of the robots' beliefs in the loop", "", *tables.aligned(header, body), "", _NOTE, ""])
 
 
-_NOTE = """Root mean squares per axis; behind them the Gauss-Markov sequences whose sum has the same autocovariance.
-Heading: of the one that local laws use; ideal (-) with the gauss-markov surrogate."""
+_NOTE = """Root mean squares per axis; behind them the Gauss-Markov sequences whose sum has an autocovariance close to
+theirs. Velocity: of the belief, whatever the dissipation uses. Heading: of the one that local laws use, where there are
+any; ideal (-) with the gauss-markov surrogate. Stale: samples of robots without a fresh belief of their own."""
 
 
 def _sequences(components: list[Component]) -> tuple[Sequence, ...]:

@@ -38,7 +38,9 @@ def every() -> tuple[Trouble, ...]:
         f"GPS outage, {_LONG:g} s": Fault(kind="outage", start=BEGIN, end=end),
         f"GPS jump of 15 m, {_SHORT:g} s": Fault(kind="jump", size=15.0, start=BEGIN, end=BEGIN + _SHORT),
         f"GPS jump of 15 m, {_LONG:g} s": Fault(kind="jump", size=15.0, start=BEGIN, end=end),
-        f"30 % of fixes dropped, {LONGEST:g} s": Fault(kind="dropped", size=0.3, start=BEGIN, end=BEGIN + LONGEST),
+        f"30 % of fixes dropped, {LONGEST:g} s": Fault(
+            kind="dropped", channel="gps_position", size=0.3, start=BEGIN, end=BEGIN + LONGEST
+        ),
         f"GPS velocity NaN, {_LONG:g} s": Fault(kind="nan", channel="gps_velocity", start=BEGIN, end=end),
         **{
             f"one NaN, {channel.replace('_', ' ').replace('gps', 'GPS')}": _one_missing(channel, spacing)

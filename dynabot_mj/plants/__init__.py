@@ -30,7 +30,8 @@ class NavigationError:
 
     heading: Array  # (B, n) of the believed heading; it grows by the yaw rate's error [rad]
     yaw_rate: Array  # (B, n) of the gyro, the believed bias taken off [rad/s]
-    acceleration_b: Array  # (B, n, 2) of the accelerometer, the believed bias taken off [m/s^2]
+    # (B, n, 2) of the accelerometer, the believed bias taken off [m/s^2]; None: it tells the true acceleration
+    acceleration_b: Array | None
 
 
 class Plant(Protocol):

@@ -113,6 +113,7 @@ class RigidBodyPlant:
         self._impulse_b = np.zeros((2, trials, robots))
         self._state = self._read(0.0, 0.0)
         self._sensed = self._state
+        self._past_error: NavigationError | None = None
 
     @property
     def state(self) -> FleetState:
@@ -184,6 +185,7 @@ class RigidBodyPlant:
         )
         wheel_speed, torque = traction.drive(motion, speed, yaw_rate, vehicle=self._vehicle, gains=laws.traction)
         self._ctrl[..., 0], self._ctrl[..., 1] = wheel_speed, torque
+        self._past_error = error
 
     def _sense(self, heading: Array, error: NavigationError | None) -> tuple[Array, Array]:
         """Returns forward speed and yaw rate by wheels, accelerometer and gyro, (B, n) [m/s], [rad/s]."""
@@ -193,9 +195,12 @@ class RigidBodyPlant:
             period = now.time - before.time
             increment_w, wheel_speed = now.velocity_w - before.velocity_w, self._qvel[..., 6:]
             if error is not None:
-                felt_b = now.specific_impulse_b - before.specific_impulse_b + period * error.acceleration_b
-                increment_w = _to_world(felt_b, heading - 0.5 * period * (spin + error.yaw_rate))
                 wheel_speed = measured(wheel_speed, self._laws.wheel_resolution)
+            # The errors that held while the increments were gathered, not those of the period that begins.
+            past = self._past_error
+            if past is not None and past.acceleration_b is not None:
+                felt_b = now.specific_impulse_b - before.specific_impulse_b + period * past.acceleration_b
+                increment_w = _to_world(felt_b, heading - 0.5 * period * (spin + past.yaw_rate))
             self._velocity_w = odometry.velocity(
                 self._velocity_w,
                 increment_w,

@@ -67,7 +67,7 @@ def test_precedence_is_defaults_then_file_then_options():
         ("[vehicle]\nmodel = 'absent.xml'", "absent.xml"),
         ("[filter]\ngate = 1.5", "filter.gate = 1.5 given, it must be between 0 and 1"),
         ("[sensors.gps]\nlatency = 0.0", "sensors.gps.stamp_error = 0.03 s given, it must not exceed gps.latency, 0 s"),
-        ("[[sensors.faults]]\nkind = 'jump'\nrobots = [3]", "robot 3 given, there are the robots 0 to 2"),
+        ("[[sensors.faults]]\nkind = 'outage'\nrobots = [3]", "robot 3 given, there are the robots 0 to 2"),
         ("mass = 12.0\n[vehicle]\npayload = 4.0", "it must be the model's and its payload, 16 kg"),
     ],
 )

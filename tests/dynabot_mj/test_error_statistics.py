@@ -1,10 +1,11 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from dynabot_mj.error_statistics import LAGS, ErrorRecorder, components
-from dynabot_mj.perception import Belief, ErrorSequence
+from dynabot_mj.perception import ErrorSequence, certain
 from dynabot_mj.plants import FleetState, NavigationError
 from dynabot_mj.streams import Draws, Purpose
 from estimation.gauss_markov import Component
@@ -15,7 +16,7 @@ ALL = np.ones(SHAPE, dtype=bool)
 ZERO = np.zeros((*SHAPE, 2))
 
 
-def recorded(errors, headings=None):
+def recorded(errors, headings=None, known=ALL):
     """Takes position errors (K, B, n, 2), and heading errors (K, B, n)."""
     recorder = ErrorRecorder(PERIOD, SHAPE)
     state = FleetState(
@@ -30,8 +31,7 @@ def recorded(errors, headings=None):
         navigation = None
         if headings is not None:
             navigation = NavigationError(heading=headings[index], yaw_rate=ZERO[..., 0], acceleration_b=ZERO)
-        belief = Belief(position_w=error, velocity_w=2.0 * error, known=ALL)
-        recorder.take(belief, state, navigation, ALL)
+        recorder.take(replace(certain(error, 2.0 * error), known=known), state, navigation, ALL)
     return recorder
 
 
@@ -51,6 +51,24 @@ def test_autocovariance_by_its_definition():
     assert np.isnan(found.heading).all()  # there was none
 
 
+def test_what_robots_do_not_know_is_no_error_but_counted():
+    errors = np.full((4, *SHAPE, 2), 0.5)
+    errors[:, :, 2] = 50.0
+    known = ALL.copy()
+    known[:, 2] = False
+    found = recorded(errors, known=known).statistics()
+    np.testing.assert_allclose(found.position[:, 0], 0.25)
+    np.testing.assert_allclose(found.stale, 1.0 / 3.0)
+    np.testing.assert_array_equal(found.restarts, 0.0)
+
+
+def test_a_trial_has_the_same_bits_alone_and_among_others():
+    errors = np.random.default_rng(1).normal(size=(60, *SHAPE, 2)).astype(np.float32)
+    together = recorded(errors).statistics().position[7]
+    alone = np.tile(errors[:, 7:8], (1, SHAPE[0], 1, 1))
+    np.testing.assert_array_equal(recorded(alone).statistics().position[3], together)
+
+
 def test_heading_errors_are_wrapped():
     headings = np.full((3, *SHAPE), 2.0 * np.pi - 0.1)
     np.testing.assert_allclose(recorded(np.zeros((3, *SHAPE, 2)), headings).statistics().heading[:, 0], 0.01, rtol=1e-4)
@@ -63,7 +81,7 @@ def test_robots_with_clocks_of_their_own_have_no_common_statistics():
     state = FleetState(
         time=1.0, position_w=ZERO, velocity_w=ZERO, heading=ZERO[..., 0], yaw_rate=ZERO[..., 0], specific_impulse_b=ZERO
     )
-    recorder.take(Belief(position_w=ZERO, velocity_w=ZERO, known=ALL), state, None, some)
+    recorder.take(certain(ZERO, ZERO), state, None, some)
     assert np.isnan(recorder.statistics().position).all()
 
 
@@ -74,6 +92,7 @@ def test_components_are_found_in_an_exact_autocovariance(made):
     lag = np.array(LAGS)
     covariance = sum(sigma**2 * np.exp(-lag / tau) for sigma, tau in made)
     found = [(one.deviation, one.time) for one in components(lag, covariance)]
+    assert sum(deviation**2 for deviation, _ in found) == pytest.approx(covariance[0])
     np.testing.assert_allclose(found, made, rtol=0.02)
 
 

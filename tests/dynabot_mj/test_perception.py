@@ -1,6 +1,6 @@
 import numpy as np
 
-from dynabot_mj.perception import Belief, GaussMarkovPerception, PerfectPerception
+from dynabot_mj.perception import GaussMarkovPerception, PerfectPerception, certain
 from dynabot_mj.plants import FleetState
 
 ZERO = np.zeros((300, 3, 2))
@@ -42,7 +42,7 @@ def test_perfect_perception_is_the_truth():
 
 
 def test_a_belief_is_renewed_for_the_robots_that_are_due():
-    old, fresh = (Belief(position_w=ZERO + x, velocity_w=ZERO + 2.0 * x, known=EVERYBODY) for x in (0.0, 1.0))
+    old, fresh = (certain(ZERO + x, ZERO + 2.0 * x) for x in (0.0, 1.0))
     due = EVERYBODY.copy()
     due[:, 0] = False
     renewed = old.renewed(fresh, due)

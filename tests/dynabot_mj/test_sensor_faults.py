@@ -5,6 +5,7 @@ from dynabot_mj import sensor_faults
 from dynabot_mj.errors import InputError
 from dynabot_mj.sensor_faults import Fault, Faults
 
+DROPPED = {"kind": "dropped", "channel": "gyro"}
 FIX = np.arange(12.0).reshape(2, 3, 2)
 
 
@@ -66,9 +67,25 @@ def test_a_magnetic_fault_turns_the_bearing():
     np.testing.assert_array_equal(turned, FIX[..., 0] + 0.5)
 
 
-def test_faults_that_never_act_are_refused():
-    sensor_faults.check([Fault(kind="outage"), Fault(kind="jump", robots=(0, 2))], 3)
-    with pytest.raises(InputError, match="a fault from 2 to 1 s given, it never acts"):
-        sensor_faults.check([Fault(kind="outage", start=2.0, end=1.0)], 3)
-    with pytest.raises(InputError, match="robot 3 given, there are the robots 0 to 2"):
-        sensor_faults.check([Fault(kind="outage", robots=(0, 3))], 3)
+def test_faults_with_what_their_kind_needs_are_allowed():
+    sensor_faults.check([Fault(kind="outage"), Fault(kind="jump", size=-3.0, robots=(0, 2))], 3)
+    sensor_faults.check([Fault(**DROPPED, size=1.0), Fault(kind="frozen", channel="accelerometer")], 3)
+
+
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        ({"kind": "outage", "start": 2.0, "end": 1.0}, "a fault from 2 to 1 s given, it never acts"),
+        ({"kind": "outage", "robots": (0, 3)}, "robot 3 given, there are the robots 0 to 2"),
+        ({"kind": "outage", "channel": "gyro"}, "channel = gyro given with outage, which needs none"),
+        ({"kind": "outage", "size": 1.0}, "size = 1.0 given with outage, which needs none"),
+        ({"kind": "jump"}, "no size given with jump, which needs one"),
+        ({"kind": "jump", "size": 0.0}, "not 0"),
+        ({"kind": "jump", "size": float("inf")}, "not 0, and at most"),
+        ({"kind": "frozen"}, "no channel given with frozen"),
+        ({**DROPPED, "size": 7.0}, "above 0 and at most 1"),
+    ],
+)
+def test_faults_that_mean_nothing_are_refused(fault, told):
+    with pytest.raises(InputError, match=told):
+        sensor_faults.check([Fault(**fault)], 3)
