@@ -65,6 +65,18 @@ def test_precedence_is_defaults_then_file_then_options():
         ("[vehicle]\ngains = 'absent'", "gains 'absent' given, it must be a gain file or one of: first, "),
         ("plants = ['particle']\n[vehicle]\ngains = 'absent'", "gains 'absent' given, it must be a gain file or"),
         ("[vehicle]\nmodel = 'absent.xml'", "absent.xml"),
+        ("velocity = 'odometry'", "velocity = 'odometry' given with the plant particle"),
+        ("perception = ['filter']\n[filter]\nimplementation = 'filterpy'", "'filterpy' given with 100 trials"),
+        (
+            "perception = ['filter']\n[vehicle]\nslope = 0.1",
+            "vehicle.slope = 0.1 and sensors.ground.slope = 0.00785398",
+        ),
+        (
+            "[filter]\nacceleration_density = 1e200",
+            "filter.acceleration_density = 1e+200 given, it must be positive and at",
+        ),
+        ("[sensors.gps]\nperiod = 1e-10", "sensors.gps.period = 1e-10: input should be greater than or equal to 0.01"),
+        ("[filter]\nalignment = 1e7", "filter.alignment = 10000000.0: input should be less than or equal to 600"),
         ("[filter]\ngate = 1.5", "filter.gate = 1.5 given, it must be between 0 and 1"),
         ("[sensors.gps]\nlatency = 0.0", "sensors.gps.stamp_error = 0.03 s given, it must not exceed gps.latency, 0 s"),
         ("[[sensors.faults]]\nkind = 'outage'\nrobots = [3]", "robot 3 given, there are the robots 0 to 2"),

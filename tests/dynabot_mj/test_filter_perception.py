@@ -8,6 +8,7 @@ from dynabot_mj.plants import FleetState
 from dynabot_mj.sensor_faults import Fault
 from dynabot_mj.sensors import SensorOptions
 from estimation.build import NAMES, build
+from estimation.estimator import Estimator
 
 PERIOD = 0.036
 TRIALS = 4
@@ -78,3 +79,36 @@ def test_a_slope_is_felt_during_alignment():
     # The filter takes the 0.2 m/s^2 for a bias of the accelerometer, along the robot's axes, and finds part of it.
     found = (level - uphill)[..., 0] * np.cos(START.heading) - (level - uphill)[..., 1] * np.sin(START.heading)
     assert (found > 0.05).all()
+
+
+def test_what_is_wrong_with_the_gyro_is_wrong_for_the_local_laws_too():
+    """A gyro that is stuck at rest says zero while the robot turns: the laws' rate is off by the robot's own."""
+    stuck = SensorOptions(faults=(Fault(kind="frozen", channel="gyro", start=-PERIOD),))
+    for options, expected in ((stuck, -0.5), (SensorOptions(), 0.0)):
+        perception = aligned("gps", options)
+        for step in range(3):
+            now = PERIOD * step
+            state = replace(START, time=now, heading=START.heading + 0.5 * now, yaw_rate=START.yaw_rate + 0.5)
+            perception.look(state)
+            perception.observe(state, ALL)
+        # White noise of 0.5 and a bias of 0.5 deg/s, of which the filter has found a part: five deviations of both.
+        np.testing.assert_allclose(perception.navigation_error(now).yaw_rate, expected, atol=np.radians(3.6))
+
+
+def test_a_fix_that_is_true_just_before_the_start_is_not_missed():
+    """Samples at -0.156 s and 0, fixes without latency every 0.1 s: the one of -0.056 s is there at the start."""
+    gps = replace(SensorOptions().gps, period=0.1, latency=0.0, stamp_error=0.0)
+    period, received = 0.156, []
+
+    class Spy(Estimator):
+        def step(self, imu, fix, due):
+            received.append(fix.received.all() and fix.age.max())
+            return super().step(imu, fix, due)
+
+    estimator = Spy(build("coupled", SHAPE).filter, SHAPE)
+    perception = FilterPerception(
+        estimator, replace(SensorOptions(), gps=gps), period, 0, range(TRIALS), START, alignment=period
+    )
+    perception.look(START)
+    perception.observe(START, ALL)
+    assert received == pytest.approx([0.0, 0.056])

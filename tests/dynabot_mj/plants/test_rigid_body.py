@@ -385,6 +385,20 @@ def test_real_gains_bear_an_accelerometer_bias():
         assert (off < 0.06) == holds
 
 
+def test_increments_have_the_errors_of_the_period_that_they_were_gathered_in():
+    laws = replace(LAWS, odometry=replace(REAL_SENSORS, correction=1e-9, settling=1e-9))  # the accelerometer alone
+    plant = RigidBodyPlant(np.zeros((1, 1, 2)), np.zeros((1, 1)), laws)
+    for wrong in (1.0, 0.0, 0.0):
+        plant.step(np.zeros((1, 1, 2)), PERIOD, navigation((1, 1), acceleration_b=np.array([wrong, 0.0])))
+    # Gathered in the first gap, believed at the beginning of the second and kept.
+    off = plant.odometry_w[0, 0, 0] - plant.state.velocity_w[0, 0, 0]
+    assert off == pytest.approx(1.0 * PERIOD, abs=0.2 * PERIOD)
+    plant = RigidBodyPlant(np.zeros((1, 1, 2)), np.zeros((1, 1)), laws)
+    for wrong in (0.0, 0.0, 1.0):
+        plant.step(np.zeros((1, 1, 2)), PERIOD, navigation((1, 1), acceleration_b=np.array([wrong, 0.0])))
+    assert abs(plant.odometry_w[0, 0, 0] - plant.state.velocity_w[0, 0, 0]) < 0.2 * PERIOD
+
+
 def test_laws_on_the_truth_do_not_look_at_sensors():
     truth = replace(LAWS, on_board=False)
     wrong = navigation((1, 1), heading=0.5, yaw_rate=0.1, acceleration_b=1.0)
