@@ -15,7 +15,7 @@ import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
 from controllers.potential_field import polygon_circumradius
-from dynabot_mj import filter_parameters, scene, sensors
+from dynabot_mj import filter_parameters, scene, sensor_errors
 from dynabot_mj.errors import InputError, one_line
 from dynabot_mj.scenario import Methods, Scenario, VehicleOptions, conditions, field, laws, mass, method, periods
 
@@ -170,4 +170,4 @@ def _check_perception(setup: Scenario) -> None:
             "slope as acceleration, and on a steeper one odometry loses hold"
         )
     filter_parameters.check(setup.filter)
-    sensors.check(setup.sensors, setup.robots)
+    sensor_errors.check(setup.sensors, setup.robots)

@@ -8,7 +8,8 @@ import numpy as np
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.perception import Belief
 from dynabot_mj.plants import FleetState, NavigationError
-from dynabot_mj.sensors import GRAVITY, SensorOptions, Sensors
+from dynabot_mj.sensor_errors import SensorOptions
+from dynabot_mj.sensors import GRAVITY, Sensors
 from estimation.estimator import Estimator
 from estimation.measurements import wrap
 

@@ -13,7 +13,7 @@ from dynabot_mj.arrays import Array, measured
 from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.log_columns import QUANTITIES
 from dynabot_mj.replay import Samples
-from dynabot_mj.sensors import WheelErrors
+from dynabot_mj.sensor_errors import WheelErrors
 from estimation.measurements import GpsFix, ImuSample
 
 

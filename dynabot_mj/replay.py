@@ -8,7 +8,8 @@ import numpy.typing as npt
 
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.ground_truth import GroundTruth
-from dynabot_mj.sensors import SensorOptions, Sensors
+from dynabot_mj.sensor_errors import SensorOptions
+from dynabot_mj.sensors import Sensors
 from estimation.estimator import Estimator
 from estimation.measurements import GpsFix, ImuSample
 

@@ -22,7 +22,7 @@ from dynabot_mj.arrays import Array
 from dynabot_mj.errors import InputError
 from dynabot_mj.plants.rigid_body import LocalLaws
 from dynabot_mj.radio import INSTANT_LINK, Link, dynabot_link
-from dynabot_mj.sensors import SensorOptions
+from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.streams import Purpose, generators
 from dynabot_mj.validation import STRICT, NotNegative, Positive
 from estimation.build import Implementation, Name

@@ -18,7 +18,7 @@ import tomli_w
 from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from dynabot_mj import filter_parameters, replay, sensors
+from dynabot_mj import filter_parameters, replay, sensor_errors
 from dynabot_mj.errors import InputError, one_line
 from dynabot_mj.experiments import estimation_scores, kinematic, tether
 from dynabot_mj.experiments.best_fit import BestFit
@@ -27,7 +27,7 @@ from dynabot_mj.experiments.kinematic import PathName
 from dynabot_mj.filter_parameters import FilterParameters
 from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.replay import Samples, Track
-from dynabot_mj.sensors import SensorOptions
+from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.validation import STRICT
 from estimation import build
 
@@ -103,7 +103,7 @@ def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) ->
             raise InputError(
                 f"period = {found.period:g} s given, for the rigid plant it must be a multiple of {tether.INTERVAL:g} s"
             )
-    sensors.check(found.sensors, robots=1)
+    sensor_errors.check(found.sensors, robots=1)
     filter_parameters.check(found.filter)
     return found
 

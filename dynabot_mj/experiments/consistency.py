@@ -15,7 +15,7 @@ from dynabot_mj.arrays import Array
 from dynabot_mj.experiments import consistency_bounds, estimation_scores, filter_checks
 from dynabot_mj.experiments.consistency_bounds import Kind, Squares, Whiteness
 from dynabot_mj.experiments.filter_checks import Drives
-from dynabot_mj.sensors import GpsErrors, SensorOptions, matched
+from dynabot_mj.sensor_errors import GpsErrors, SensorOptions, matched
 from estimation import motion
 from estimation.coupled_ekf import CoupledEkf
 from estimation.decoupled_ekf import GROUPS, DecoupledEkf

@@ -21,7 +21,7 @@ from dynabot_mj.experiments.crossings import Crossing, crossing
 from dynabot_mj.experiments.troubles import BEGIN, LONGEST, Trouble
 from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.replay import Samples
-from dynabot_mj.sensors import SensorOptions
+from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.statistics import Difference
 from estimation import build
 from estimation.measurements import GpsFix, ImuSample, wrap

@@ -8,7 +8,7 @@ from dynabot_mj import replay
 from dynabot_mj.arrays import Array
 from dynabot_mj.experiments import kinematic
 from dynabot_mj.ground_truth import GroundTruth
-from dynabot_mj.sensors import SensorOptions
+from dynabot_mj.sensor_errors import SensorOptions
 
 PERIOD = 0.036  # T_s, that of the decoupled EKF in Table III [s]
 LAP = 2.0 * np.pi * kinematic.RADIUS / kinematic.SPEED  # time that a lap takes [s]

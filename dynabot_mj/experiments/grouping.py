@@ -22,7 +22,7 @@ import numpy.typing as npt
 from dynabot_mj import replay
 from dynabot_mj.arrays import Array
 from dynabot_mj.experiments import filter_checks, tables
-from dynabot_mj.sensors import SensorOptions
+from dynabot_mj.sensor_errors import SensorOptions
 from estimation import motion
 from estimation.coupled_ekf import CoupledEkf
 from estimation.decoupled_ekf import GROUPS

@@ -17,7 +17,7 @@ from estimation.gauss_markov import Component
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sequence:
+class GaussMarkov:
     """A Gauss-Markov sequence, one of those whose sum has an error's autocovariance."""
 
     deviation: float  # in the error's unit
@@ -33,9 +33,9 @@ class EstimateError:
     heading_rms_deg: float | None  # of the heading that local laws use
     stale: float  # share of the samples without a fresh belief
     restarts: int  # of estimators that broke down
-    position: tuple[Sequence, ...]  # [m]
-    velocity: tuple[Sequence, ...]  # [m/s]
-    heading: tuple[Sequence, ...]  # [rad]
+    position: tuple[GaussMarkov, ...]  # [m]
+    velocity: tuple[GaussMarkov, ...]  # [m/s]
+    heading: tuple[GaussMarkov, ...]  # [rad]
 
 
 def errors(case: xr.Dataset) -> EstimateError | None:
@@ -110,8 +110,8 @@ theirs. Velocity: of the belief, whatever the dissipation uses. Heading: of the 
 any; ideal (-) with the gauss-markov surrogate. Stale: samples of robots without a fresh belief of their own."""
 
 
-def _sequences(components: list[Component]) -> tuple[Sequence, ...]:
-    return tuple(Sequence(deviation=one.deviation, time_s=one.time) for one in components)
+def _sequences(components: list[Component]) -> tuple[GaussMarkov, ...]:
+    return tuple(GaussMarkov(deviation=one.deviation, time_s=one.time) for one in components)
 
 
 def _digits(value: float) -> float:
@@ -119,5 +119,5 @@ def _digits(value: float) -> float:
     return float(f"{value:.3g}")
 
 
-def _text(sequences: tuple[Sequence, ...]) -> str:
+def _text(sequences: tuple[GaussMarkov, ...]) -> str:
     return " + ".join(f"{one.deviation:.2g} / {float(f'{one.time_s:.2g}'):g}" for one in sequences) or "-"

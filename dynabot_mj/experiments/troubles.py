@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from dynabot_mj.experiments import kinematic
 from dynabot_mj.experiments.filter_checks import PERIOD
+from dynabot_mj.sensor_errors import GpsErrors, ImuErrors, SensorOptions
 from dynabot_mj.sensor_faults import Channel, Fault
-from dynabot_mj.sensors import GpsErrors, ImuErrors, SensorOptions
 
 BEGIN = 30.0  # of a fault, once estimators have settled and robots drive [s]
 LONGEST = 10.0  # that a fault lasts [s]

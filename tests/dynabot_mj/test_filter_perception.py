@@ -5,8 +5,8 @@ import pytest
 
 from dynabot_mj.filter_perception import FilterPerception
 from dynabot_mj.plants import FleetState
+from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.sensor_faults import Fault
-from dynabot_mj.sensors import SensorOptions
 from estimation.build import NAMES, build
 from estimation.estimator import Estimator
 

@@ -12,8 +12,8 @@ from dynabot_mj import logs, replay
 from dynabot_mj.errors import InputError
 from dynabot_mj.experiments import kinematic
 from dynabot_mj.log_columns import COLUMNS
+from dynabot_mj.sensor_errors import SensorOptions, WheelErrors
 from dynabot_mj.sensor_faults import Fault
-from dynabot_mj.sensors import SensorOptions, WheelErrors
 from estimation import build
 
 FIELDS = [field.name for field in dataclasses.fields(logs.Log)]

@@ -6,8 +6,8 @@ import pytest
 
 from dynabot_mj import replay
 from dynabot_mj.experiments import kinematic
+from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.sensor_faults import Fault
-from dynabot_mj.sensors import SensorOptions
 from estimation import build
 
 PERIOD, STEPS = 0.036, 3000

@@ -7,7 +7,7 @@ import pytest
 from dynabot_mj import testbed
 from dynabot_mj.errors import InputError
 from dynabot_mj.experiments import circle, circle_report
-from dynabot_mj.sensors import matched
+from dynabot_mj.sensor_errors import matched
 from estimation.build import NAMES
 from estimation.parameters import DEFAULT
 

@@ -6,8 +6,8 @@ import pytest
 
 from dynabot_mj import cli, logs, replay, replay_figures
 from dynabot_mj.experiments import estimate, kinematic
+from dynabot_mj.sensor_errors import SensorOptions, WheelErrors
 from dynabot_mj.sensor_faults import Fault
-from dynabot_mj.sensors import SensorOptions, WheelErrors
 from estimation import build
 from estimation.parameters import DEFAULT
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from dynabot_mj.experiments import grouping
-from dynabot_mj.sensors import matched
+from dynabot_mj.sensor_errors import matched
 from estimation import kalman, motion
 from estimation.decoupled_ekf import GROUPS
 from estimation.parameters import DEFAULT
