@@ -9,7 +9,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import tomli_w
 from pydantic import TypeAdapter, ValidationError
@@ -21,6 +21,9 @@ from dynabot_mj.scenario import Methods, Scenario, VehicleOptions, conditions, f
 
 # Rise per metre up to which rigid robots with real accelerometers keep to their forces; they ran away from 0.053 on.
 _STEEPEST = 0.04
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
 _NONE: Mapping[str, Any] = {}
 # Tables of the options that are not top-level keys.
 _TABLES = {"utilisation": "processor", "headings": "start", "implementation": "filter"} | {
@@ -90,7 +93,12 @@ def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> S
 
 def dump(setup: Scenario) -> str:
     """Returns the whole configuration as TOML; `load` gives the same scenario back."""
-    return tomli_w.dumps(asdict(setup))
+    return toml(setup)
+
+
+def toml(options: "DataclassInstance") -> str:
+    """Returns options as TOML, which has no word for nothing: what is None is left out."""
+    return tomli_w.dumps(asdict(options, dict_factory=lambda pairs: {k: v for k, v in pairs if v is not None}))
 
 
 def check(setup: Scenario) -> None:

@@ -9,16 +9,15 @@ errors along the path.
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields
 from dataclasses import dataclass as plain_dataclass
+from dataclasses import fields
 from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
-import tomli_w
 from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from dynabot_mj import filter_parameters, replay, sensor_errors
+from dynabot_mj import configuration, filter_parameters, replay, sensor_errors
 from dynabot_mj.errors import InputError, one_line
 from dynabot_mj.experiments import estimation_scores, kinematic, tether
 from dynabot_mj.experiments.best_fit import BestFit
@@ -110,7 +109,7 @@ def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) ->
 
 def dump(asked: Request) -> str:
     """Returns a request as TOML; `request` gives the same one back."""
-    return tomli_w.dumps(asdict(asked))
+    return configuration.toml(asked)
 
 
 def run(asked: Request, progress: Progress = lambda share: None) -> Outcome:

@@ -17,6 +17,16 @@ def test_precedence_is_defaults_then_file_then_options():
     assert (setup.start.distance, setup.start.headings) == (40.0, "leader")
 
 
+def test_faults_survive_their_toml():
+    faults = [
+        {"kind": "outage", "start": 1.0, "end": 2.0, "robots": [0]},
+        {"kind": "nan", "channel": "gyro"},
+        {"kind": "jump", "size": 15.0},
+    ]
+    setup = configuration.build({"perception": ["filter"], "sensors": {"faults": faults}})
+    assert configuration.load(configuration.dump(setup), "its own") == setup
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

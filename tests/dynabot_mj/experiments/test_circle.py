@@ -124,7 +124,7 @@ def test_a_request_survives_its_toml():
         ({"sensors": {"faults": [{"kind": "outage", "start": 5.0, "end": 5.0}]}}, "from 5 to 5 s given, it never acts"),
         ({"sensors": {"faults": [{"kind": "outage", "robots": [1]}]}}, "robot 1 given, there are the robots 0 to 0"),
         ({"filter": {"gate": 1.0}}, "filter.gate = 1 given, it must be between 0 and 1"),
-        ({"filter": {"fix_patience": 0.0}}, "filter.fix_patience = 0 given, it must be positive and finite"),
+        ({"filter": {"fix_patience": 0.0}}, "filter.fix_patience = 0 given, it must be positive and at most"),
         ({"filter": {"noise": 1.0}}, "unknown key filter.noise"),
         ({"plant": "rigid", "path": "line"}, "its tether allows: circle"),
         ({"plant": "rigid", "period": 0.05}, "multiple of 0.009 s"),
