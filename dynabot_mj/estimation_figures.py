@@ -32,7 +32,7 @@ def paths(outcome: Outcome) -> Figure:
     """
     along = outcome.request.path == "line"
     with plt.rc_context(STYLE):
-        arrangement, size = ((3, 1), (10.0, 8.4)) if along else ((1, 3), (14.0, 1.6 + 4.2 * _slimness(outcome)))
+        arrangement, size = ((3, 1), (10.0, 8.4)) if along else ((1, 3), (11.5, 1.6 + 3.3 * _slimness(outcome)))
         figure, axes = plt.subplots(*arrangement, figsize=size, sharex=True, sharey=True, layout="constrained")
         for axis, name, letter in zip(axes, NAMES, "abc", strict=True):
             farthest = _draw_paths(axis, outcome, name)
