@@ -145,7 +145,8 @@ def test_the_filters_assume_what_the_configuration_says(found, log, tmp_path, ca
     assert coupled["final_position_m"] != pytest.approx(found.rows[-1].final_position_m, abs=0.01)
     config.write_text("[filter]\nposition_noise = -5.0\n")
     assert cli.main(options) == 2
-    assert capsys.readouterr().err == "dynabot: filter.position_noise = -5 given, it must be positive and at most 1e+06\n"
+    told = "dynabot: filter.position_noise = -5 given, it must be positive and at most 1e+06\n"
+    assert capsys.readouterr().err == told
 
 
 def test_a_malformed_log_is_one_line_and_exit_code_2(log, tmp_path, capsys):
