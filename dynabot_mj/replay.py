@@ -96,24 +96,7 @@ def follow(samples: Samples, estimator: Estimator, watch: Callable[[int], None] 
     due = np.ones(samples.imu.bearing.shape[1], dtype=bool)
     beliefs = []
     for index in range(len(samples.time)):
-        imu, fix = samples.imu, samples.fix
-        beliefs.append(
-            estimator.step(
-                ImuSample(
-                    period=imu.period[index],
-                    specific_force_b=imu.specific_force_b[index],
-                    yaw_rate=imu.yaw_rate[index],
-                    bearing=imu.bearing[index],
-                ),
-                GpsFix(
-                    received=fix.received[index],
-                    position_w=fix.position_w[index],
-                    velocity_w=fix.velocity_w[index],
-                    age=fix.age[index],
-                ),
-                due,
-            )
-        )
+        beliefs.append(estimator.step(samples.imu.at(index), samples.fix.at(index), due))
         watch(index)
     return Track(
         time=samples.time,

@@ -99,16 +99,16 @@ class Estimator:
         rows = np.flatnonzero(due)
         self.fix_updates = (np.arange(0), ())
         if rows.size:
-            imu, fix = self._guarded(imu, rows), _taken(fix, rows)
+            imu, fix = self._guarded(imu, rows), _flat(fix).at(rows)
             self._elapse(rows, imu.period)
             usable = fix.received & np.isfinite(fix.position_w).all(-1) & np.isfinite(fix.velocity_w).all(-1)
             usable &= np.isfinite(fix.age)
             known = self._known[rows]
             if known.any():
-                self._advance(rows[known], _rows(imu, known), _taken(fix, known), usable[known])
+                self._advance(rows[known], imu.at(known), fix.at(known), usable[known])
             starting = ~known & usable & np.isfinite(imu.bearing)
             if starting.any():
-                self._begin(rows[starting], _taken(fix, starting), imu.bearing[starting])
+                self._begin(rows[starting], fix.at(starting), imu.bearing[starting])
             self._restart_broken()
         return self._estimate()
 
@@ -124,14 +124,14 @@ class Estimator:
             self.filter.believe_bearing(rows[believed], imu.bearing[believed])
         if not usable.any():
             return
-        fixed, its_fix = rows[usable], _taken(fix, usable)
+        fixed, its_fix = rows[usable], fix.at(usable)
         updates = self.filter.see_fix(self._meant(fixed), its_fix, self._force_since(fixed, its_fix.age))
         self.fix_updates = (fixed, updates)
         accepted = np.logical_and.reduce([one.accepted for one in updates])
         everything = np.ones(len(fixed), dtype=bool)
         believed = self._judge(self._fix_doubt, fixed, everything, accepted, self._parameters.fix_patience)
         if believed.any():
-            self.filter.believe_fix(fixed[believed], _taken(its_fix, believed))
+            self.filter.believe_fix(fixed[believed], its_fix.at(believed))
         trusted = accepted | believed
         self._fix_age[fixed[trusted]] = its_fix.age[trusted]
 
@@ -204,21 +204,11 @@ class Estimator:
         )
 
 
-def _rows(imu: ImuSample, chosen: BoolArray) -> ImuSample:
-    """Returns the samples of some of the rows."""
-    return ImuSample(
-        period=imu.period[chosen],
-        specific_force_b=imu.specific_force_b[chosen],
-        yaw_rate=imu.yaw_rate[chosen],
-        bearing=imu.bearing[chosen],
-    )
-
-
-def _taken(fix: GpsFix, chosen: npt.NDArray[np.intp] | BoolArray) -> GpsFix:
-    """Returns the fixes of some rows, the leading axes made one."""
+def _flat(fix: GpsFix) -> GpsFix:
+    """Returns fixes with their leading axes made one."""
     return GpsFix(
-        received=fix.received.reshape(-1)[chosen],
-        position_w=fix.position_w.reshape(-1, 2)[chosen],
-        velocity_w=fix.velocity_w.reshape(-1, 2)[chosen],
-        age=fix.age.reshape(-1)[chosen],
+        received=fix.received.reshape(-1),
+        position_w=fix.position_w.reshape(-1, 2),
+        velocity_w=fix.velocity_w.reshape(-1, 2),
+        age=fix.age.reshape(-1),
     )

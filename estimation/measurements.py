@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+Chosen = int | npt.NDArray[np.intp] | BoolArray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,6 +23,15 @@ class ImuSample:
     yaw_rate: Array  # (...) [rad/s]
     bearing: Array  # (...) magnetic, from the world's x axis [rad]
 
+    def at(self, chosen: Chosen) -> "ImuSample":
+        """Returns one of the first leading axis, or several of them."""
+        return ImuSample(
+            period=self.period[chosen],
+            specific_force_b=self.specific_force_b[chosen],
+            yaw_rate=self.yaw_rate[chosen],
+            bearing=self.bearing[chosen],
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class GpsFix:
@@ -31,6 +41,15 @@ class GpsFix:
     position_w: Array  # (..., 2) [m]
     velocity_w: Array  # (..., 2) [m/s]
     age: Array  # (...) since the time stamped on it [s]
+
+    def at(self, chosen: Chosen) -> "GpsFix":
+        """Returns one of the first leading axis, or several of them."""
+        return GpsFix(
+            received=self.received[chosen],
+            position_w=self.position_w[chosen],
+            velocity_w=self.velocity_w[chosen],
+            age=self.age[chosen],
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

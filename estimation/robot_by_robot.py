@@ -68,12 +68,12 @@ class RobotByRobot:
     def begin(self, rows: Rows, fix: GpsFix, bearing: Array) -> None:
         """Starts with a first fix and bearing."""
         for index, robot in self._meant(rows):
-            robot.begin(_fix(fix, index), bearing[index])
+            robot.begin(fix.at(index), bearing[index])
 
     def predict(self, rows: Rows, imu: ImuSample) -> None:
         """Carries the states over a period."""
         for index, robot in self._meant(rows):
-            robot.predict(_sample(imu, index))
+            robot.predict(imu.at(index))
 
     def see_bearing(self, rows: Rows, bearing: Array) -> Update:
         """Takes a bearing."""
@@ -81,7 +81,7 @@ class RobotByRobot:
 
     def see_fix(self, rows: Rows, fix: GpsFix, force_b: Array) -> tuple[Update, ...]:
         """Takes a fix."""
-        seen = [robot.see_fix(_fix(fix, index), force_b[index]) for index, robot in self._meant(rows)]
+        seen = [robot.see_fix(fix.at(index), force_b[index]) for index, robot in self._meant(rows)]
         return tuple(_stacked(updates) for updates in zip(*seen, strict=True))
 
     def believe_bearing(self, rows: Rows, bearing: Array) -> None:
@@ -92,7 +92,7 @@ class RobotByRobot:
     def believe_fix(self, rows: Rows, fix: GpsFix) -> None:
         """Sets position and velocity to a fix."""
         for index, robot in self._meant(rows):
-            robot.believe_fix(_fix(fix, index))
+            robot.believe_fix(fix.at(index))
 
     def sound(self) -> BoolArray:
         """Tells where all numbers are finite and all variances positive."""
@@ -120,24 +120,6 @@ class FullStateRobotByRobot(RobotByRobot):
         """Returns the states in the order of `estimation.motion`, (M, 10), and their covariance, (M, 10, 10)."""
         states, covariances = zip(*[robot.moments() for robot in self._full], strict=True)
         return np.array(states), np.array(covariances)
-
-
-def _sample(imu: ImuSample, index: int) -> ImuSample:
-    return ImuSample(
-        period=imu.period[index],
-        specific_force_b=imu.specific_force_b[index],
-        yaw_rate=imu.yaw_rate[index],
-        bearing=imu.bearing[index],
-    )
-
-
-def _fix(fix: GpsFix, index: int) -> GpsFix:
-    return GpsFix(
-        received=fix.received[index],
-        position_w=fix.position_w[index],
-        velocity_w=fix.velocity_w[index],
-        age=fix.age[index],
-    )
 
 
 def _stacked(updates: Sequence[Update]) -> Update:
