@@ -4,13 +4,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dynabot_mj import sensor_errors
-from dynabot_mj.errors import InputError
 from dynabot_mj.plants import FleetState
-from dynabot_mj.sensor_errors import GpsErrors, GroundErrors, ImuErrors, MagnetometerErrors, SensorOptions, matched
-from dynabot_mj.sensor_faults import Fault
+from dynabot_mj.sensor_errors import GpsErrors, GroundErrors, ImuErrors, MagnetometerErrors, SensorOptions
 from dynabot_mj.sensors import GRAVITY, Sensors
-from estimation.parameters import DEFAULT
 
 PERIOD = 0.036
 IDEAL = SensorOptions(
@@ -200,25 +196,3 @@ def test_a_trial_does_not_depend_on_the_others():
 
     for alone, together in zip(last([7]), last([3, 4, 7]), strict=True):
         np.testing.assert_array_equal(alone, together)
-
-
-def test_matched_sensors_have_the_errors_that_the_filters_assume():
-    options = matched(DEFAULT)
-    assert options.gps.position_noise == DEFAULT.position_noise
-    assert options.imu.acceleration_drift == DEFAULT.acceleration_bias
-    assert options.imu.acceleration_drift_time == DEFAULT.acceleration_bias_time
-    assert options.magnetometer.noise == DEFAULT.bearing_noise
-    assert options.ground.slope == options.imu.acceleration_scale == options.gps.stamp_error == 0.0
-
-
-@pytest.mark.parametrize("stamp_error", [0.06, math.inf, -math.inf, math.nan])
-def test_a_fix_cannot_arrive_before_its_stamp(stamp_error):
-    sensor_errors.check(replace(IDEAL, gps=GpsErrors(latency=0.05, stamp_error=0.05)), 1)
-    sensor_errors.check(replace(IDEAL, gps=GpsErrors(latency=0.05, stamp_error=-0.2)), 1)
-    with pytest.raises(InputError, match=r"stamp_error = .* s given, it must not exceed gps\.latency, 0\.05 s"):
-        sensor_errors.check(replace(IDEAL, gps=GpsErrors(latency=0.05, stamp_error=stamp_error)), 1)
-
-
-def test_faults_are_checked_with_the_sensors():
-    with pytest.raises(InputError, match="robot 1 given, there are the robots 0 to 0"):
-        sensor_errors.check(SensorOptions(faults=(Fault(kind="outage", robots=(1,)),)), 1)
