@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.frames import to_body
 from dynabot_mj.perception import Belief
 from dynabot_mj.plants import FleetState, NavigationError
 from dynabot_mj.sensor_errors import SensorOptions
@@ -44,7 +45,7 @@ class FilterPerception:
         self._estimator = estimator
         everybody = np.ones(start.heading.shape, dtype=bool)
         felt = GRAVITY * np.sin(np.arctan(uphill))
-        felt_b = felt * np.stack([np.cos(start.heading), -np.sin(start.heading)], axis=-1)
+        felt_b = to_body(np.array([felt, 0.0]), start.heading)
         self._sampled_at = np.zeros(start.heading.shape)
         self._heading_error, self._yaw_rate_error = np.zeros(start.heading.shape), np.zeros(start.heading.shape)
         self._force_error_b = np.zeros((*start.heading.shape, 2))

@@ -30,6 +30,7 @@ from dynabot_mj.sensor_faults import Faults
 from dynabot_mj.streams import Draws, Purpose, generators
 from estimation import gauss_markov
 from estimation.measurements import GpsFix, ImuSample, rotation, wrap
+from estimation.motion import turned
 
 GRAVITY = 9.81  # [m/s^2]
 
@@ -103,7 +104,7 @@ class Sensors:
     @property
     def force_error_b(self) -> Array:
         """What the accelerometers are off by in the period that has begun, but for their scale, (B, n, 2) [m/s^2]."""
-        return self._force_error + self._force_fault + _across(self._read.heading, self._slope_w)
+        return self._force_error + self._force_fault + turned(rotation(-self._read.heading), self._slope_w)
 
     @property
     def yaw_rate_error(self) -> Array:
@@ -159,7 +160,7 @@ class Sensors:
         period = state.time - last.time
         spread = np.maximum(period, 1e-9)  # the averages over no time are zero, and not used
         force_b = (state.specific_impulse_b - last.impulse_b) / spread[..., None]
-        force_b = force_b + _across(0.5 * (heading + last.heading), self._slope_w)
+        force_b = force_b + turned(rotation(-0.5 * (heading + last.heading)), self._slope_w)
         yaw_rate = (heading - last.heading) / spread
         distortion = iron.hard_iron * np.sin(heading + self._iron[..., 0])
         distortion = distortion + iron.soft_iron * np.sin(2.0 * heading + self._iron[..., 1])
@@ -258,8 +259,3 @@ class Sensors:
         self._force_error = np.where(due[..., None], force, self._force_error)
         self._gyro_error = np.where(due, gyro, self._gyro_error)
         self._bearing_error = np.where(due, self._motors + magnetic.noise * normal[..., 9], self._bearing_error)
-
-
-def _across(heading: Array, vector_w: Array) -> Array:
-    """Returns a vector of the world in body axes, (B, n, 2)."""
-    return (rotation(-heading) @ vector_w[..., None])[..., 0]

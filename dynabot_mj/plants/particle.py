@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.frames import to_body
 from dynabot_mj.plants import LOOK_PERIOD, FleetState, NavigationError
 
 _TOP_SPEED = 1e3  # beyond it the sampled loop has blown up: a hundred times what a Dynabot can do [m/s]
@@ -93,7 +94,7 @@ class ParticlePlant:
             velocity_w = start.velocity_w + s * acceleration_w
             position_w = start.position_w + s * start.velocity_w + (0.5 * s * s) * acceleration_w
             turned = _follow(heading, velocity_w, interval)
-            impulse_b = impulse_b + interval * _in_body(acceleration_w, 0.5 * (heading + turned))
+            impulse_b = impulse_b + interval * to_body(acceleration_w, 0.5 * (heading + turned))
             states.append(
                 FleetState(
                     # Rounded, so that sums of many gaps do not drift off the timer.
@@ -117,10 +118,3 @@ def _follow(heading: Array, velocity_w: Array, interval: float) -> Array:
     most = _HEADING_RATE * interval
     moving = vx * vx + vy * vy >= _HEADING_SPEED**2
     return heading + np.where(moving, np.clip(error, -most, most), 0.0)
-
-
-def _in_body(vector_w: Array, heading: Array) -> Array:
-    """Returns a vector in body axes, ahead and to the left, (B, n, 2)."""
-    cos, sin = np.cos(heading), np.sin(heading)
-    x, y = vector_w[..., 0], vector_w[..., 1]
-    return np.stack([cos * x + sin * y, cos * y - sin * x], axis=-1)

@@ -22,6 +22,7 @@ from controllers.steering import HandPoint, Heading
 from controllers.traction import Traction
 from dynabot_mj import scene
 from dynabot_mj.arrays import Array, BoolArray, measured
+from dynabot_mj.frames import to_world
 from dynabot_mj.plants import LOOK_PERIOD, FleetState, NavigationError, free_joint
 
 LOCAL_PERIOD = 0.039  # longest period of the local laws [s]
@@ -200,7 +201,7 @@ class RigidBodyPlant:
             past = self._past_error
             if past is not None and past.acceleration_b is not None:
                 felt_b = now.specific_impulse_b - before.specific_impulse_b + period * past.acceleration_b
-                increment_w = _to_world(felt_b, heading - 0.5 * period * (spin + past.yaw_rate))
+                increment_w = to_world(felt_b, heading - 0.5 * period * (spin + past.yaw_rate))
             self._velocity_w = odometry.velocity(
                 self._velocity_w,
                 increment_w,
@@ -271,13 +272,6 @@ class RigidBodyPlant:
 def _along(velocity_w: Array, heading: Array) -> Array:
     """Returns the speed along the heading, (B, n) [m/s]."""
     return velocity_w[..., 0] * np.cos(heading) + velocity_w[..., 1] * np.sin(heading)
-
-
-def _to_world(vector_b: Array, heading: Array) -> Array:
-    """Returns a vector given ahead and to the left in the world's axes, (B, n, 2)."""
-    cos, sin = np.cos(heading), np.sin(heading)
-    ahead, left = vector_b[..., 0], vector_b[..., 1]
-    return np.stack([cos * ahead - sin * left, sin * ahead + cos * left], axis=-1)
 
 
 def _grown(error: NavigationError | None, elapsed: float) -> NavigationError | None:
