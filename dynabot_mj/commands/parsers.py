@@ -37,11 +37,11 @@ def shared() -> argparse.ArgumentParser:
     return parser
 
 
-def study() -> argparse.ArgumentParser:
-    """Returns the options of a study, beside those of `shared`."""
+def science() -> argparse.ArgumentParser:
+    """Returns the options that override a configuration; `studies.build` reads them."""
     from dynabot_mj.scenario import HEADINGS, SENSINGS, STEERINGS, VELOCITIES
 
-    parser = argparse.ArgumentParser(add_help=False, parents=[shared()])
+    parser = argparse.ArgumentParser(add_help=False)
     parser.add_argument("--config", type=Path, metavar="FILE.toml", help="configuration; options override it")
     parser.add_argument("--seed", type=int, help="seed of all random numbers (default 0)")
     parser.add_argument("--robots", type=int, help="number of robots, 2 to 7 (default 3)")
@@ -67,6 +67,12 @@ def study() -> argparse.ArgumentParser:
     rigid.add_argument("--steering", choices=STEERINGS, help="steering law (default hand-point)")
     rigid.add_argument("--sensing", choices=SENSINGS, help="what the local laws run on (default on-board)")
     rigid.add_argument("--gains", metavar="SET", help="of the local laws: tuned, first, or a gain file (default tuned)")
+    return parser
+
+
+def study() -> argparse.ArgumentParser:
+    """Returns the options of a study: those of `shared` and `science`, and how it is executed."""
+    parser = argparse.ArgumentParser(add_help=False, parents=[shared(), science()])
     add_out(parser)
     add_workers(parser)
     parser.add_argument("--threads", type=int, default=1, help="of MuJoCo in each process (default 1)")

@@ -1,38 +1,14 @@
 """`dynabot run`."""
 
 import argparse
-import json
 from dataclasses import asdict
-from pathlib import Path
-from typing import Any
 
-from dynabot_mj.commands import parsers, results, studies
-from dynabot_mj.errors import InputError
-
-_CHOICES = {"plants": "plant", "estimators": "estimator", "perception": "perception"}  # key and option
+from dynabot_mj.commands import parsers, results, studies, trials
 
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    from dynabot_mj.scenario import ESTIMATORS, PERCEPTIONS, PLANTS
-    from estimation.build import IMPLEMENTATIONS
-
-    command = parsers.command(commands, run, parsers.study())
-    command.add_argument("--plant", choices=PLANTS, help="default rigid")
-    command.add_argument("--estimator", choices=ESTIMATORS, help="default decoupled")
-    command.add_argument("--perception", choices=PERCEPTIONS, help="default gauss-markov")
-    command.add_argument(
-        "--filters",
-        choices=IMPLEMENTATIONS,
-        dest="implementation",
-        help="of --perception filter: ours, batched, or FilterPy's (default batched)",
-    )
-    command.add_argument("--trial", type=int, help="its number (default 0)")
-    command.add_argument(
-        "--reproduce",
-        metavar="STUDY:CASE:TRIAL",
-        help="repeat a trial of a saved study, e.g. out/compare:rigid/perfect:7",
-    )
+    parsers.command(commands, run, parsers.study(), trials.parser())
 
 
 def run(options: argparse.Namespace) -> None:
@@ -42,7 +18,7 @@ def run(options: argparse.Namespace) -> None:
     from dynabot_mj import figures
     from dynabot_mj.experiments import compare as experiment
 
-    setup = _reproduced(options) if options.reproduce else _single(options)
+    setup = trials.chosen(options)
     folder = results.open_folder(options, "run")
     study, wall_s = studies.run(setup, folder, options, "run")
     case = study.isel(case=0)
@@ -56,53 +32,3 @@ def run(options: argparse.Namespace) -> None:
     shown = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places)
     text = experiment.markdown(study) + f"\nfinal positions [m]: {shown}\n{wall_s:.1f} s; results in {folder}"
     results.show(options, row, text)
-
-
-def _single(options: argparse.Namespace) -> Any:
-    """Builds the configuration of one trial of one case."""
-    setup = studies.build(
-        options,
-        {"plants": ["rigid"], "estimators": ["decoupled"]},
-        trials=1,
-        first_trial=options.trial,
-        implementation=options.implementation,
-        **{name: [value] if (value := getattr(options, option)) else None for name, option in _CHOICES.items()},
-    )
-    for name, option in _CHOICES.items():
-        choices = dict.fromkeys(getattr(setup, name))
-        if len(choices) > 1:
-            raise InputError(f"{', '.join(choices)} given by {options.config}; run takes one: choose with --{option}")
-    return setup
-
-
-def _reproduced(options: argparse.Namespace) -> Any:
-    """Builds the configuration of one trial of a saved study."""
-    from dynabot_mj import configuration, scenario, study
-
-    others = {name: name for name in ("config", "plant", "estimator", "perception", "trial", *studies.SCIENCE)}
-    others["implementation"] = "filters"
-    if given := [option for name, option in others.items() if getattr(options, name, None) is not None]:
-        raise InputError(f"--{given[0]} given with --reproduce, which takes everything from the saved study")
-    try:
-        folder, label, trial = options.reproduce.rsplit(":", 2)
-        number = int(trial)
-    except ValueError:
-        raise InputError(f"--reproduce {options.reproduce!r} given, it must be STUDY:CASE:TRIAL") from None
-    path = Path(folder) / "study.nc" if Path(folder).is_dir() else Path(folder)
-    if not path.is_file():
-        raise InputError(f"there is no study at {path}")
-    try:
-        saved = study.load(path)
-    except (OSError, ValueError) as error:
-        raise InputError(f"cannot read the study {path}: {error}") from error
-    labels = [str(one) for one in saved.case.values]
-    if label not in labels:
-        raise InputError(f"case {label!r} given, the study has: {', '.join(labels)}")
-    if number not in saved.trial.values:
-        raise InputError(f"trial {number} given, the study has {saved.trial.values[0]} to {saved.trial.values[-1]}")
-    setup = configuration.load(saved.attrs["configuration"], str(path))
-    was = json.loads(saved.attrs.get("inputs", "{}"))  # older studies do not say
-    for name, digest in scenario.inputs(setup).items():
-        if was.get(name) != digest:
-            raise InputError(f"the {name} {getattr(setup.vehicle, name)!r} of {path} has changed since that study")
-    return scenario.one_trial(setup, label, number)
