@@ -21,7 +21,7 @@ from dynabot_mj import scene, schedule, testbed
 from dynabot_mj.arrays import Array
 from dynabot_mj.errors import InputError
 from dynabot_mj.perception_options import FilterOptions, FittedError, FittedOptions
-from dynabot_mj.plants.rigid_body import LocalLaws
+from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.radio import INSTANT_LINK, Link, dynabot_link
 from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.streams import Purpose, generators

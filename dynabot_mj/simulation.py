@@ -113,7 +113,7 @@ def simulate(
         phase = np.zeros(setup.robots, dtype=np.int64)
     clocks = Clocks(sample_ticks=sample_ticks, control_ticks=control_ticks, phase=phase)
     plant = make_plant(setup, case, position_w, heading, trials, threads)
-    perception = _perception(setup, case, sample_ticks * tick, trials, plant.state)
+    perception = make_perception(setup, case, sample_ticks * tick, trials, plant.state)
     velocity = _velocity(setup, case, plant)
     radio = Radio(scenario.link(setup, case.estimator), setup.robots, setup.seed, trials)
     field = scenario.field(setup, case.estimator)
@@ -210,9 +210,10 @@ def make_plant(
             )
 
 
-def _perception(
+def make_perception(
     setup: Scenario, case: Case, sample_period: float, trials: Sequence[int], start: FleetState
 ) -> Perception:
+    """Builds what tells the robots of some trials of a case about themselves; `start` is their state at time 0."""
     match case.perception:
         case None:
             return PerfectPerception()

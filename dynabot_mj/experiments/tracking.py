@@ -9,8 +9,9 @@ from dynabot_mj import manoeuvres, scene, testbed
 from dynabot_mj.arrays import Array
 from dynabot_mj.manoeuvres import Courses
 from dynabot_mj.plants import Plant
+from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.plants.particle import ParticlePlant
-from dynabot_mj.plants.rigid_body import LocalLaws, RigidBodyPlant
+from dynabot_mj.plants.rigid_body import RigidBodyPlant
 from dynabot_mj.scenario import FieldOptions
 
 FIELD = FieldOptions()  # whose dissipation and wells the courses have

@@ -19,7 +19,8 @@ from dynabot_mj.experiments.parity import Parity
 from dynabot_mj.experiments.tables import aligned
 from dynabot_mj.experiments.tracking import FIELD, WELL_RADIUS, Tracking, follow
 from dynabot_mj.manoeuvres import Courses, Manoeuvre
-from dynabot_mj.plants.rigid_body import LOCAL_PERIOD, LocalLaws
+from dynabot_mj.plants.local_laws import LocalLaws
+from dynabot_mj.plants.rigid_body import LOCAL_PERIOD
 from dynabot_mj.statistics import Difference
 
 SteeringTable = Literal["hand_point", "heading"]

@@ -1,29 +1,22 @@
 """MuJoCo models of the Dynabot, all trials stepped at once, each robot tracking its force command with its local laws.
 
-The laws run on what the robot has on board: yaw rate from the gyro, forward speed from wheel speeds and accelerometer
-(`controllers.odometry`), and its heading. Those are ideal, or as wrong as the perception says. Or the laws run on the
-truth, to tell one's errors from the other's.
-
 The local laws run at a period of their own, the gap divided so that it is at most 39 ms: at the 156 ms of the coupled
 EKF they would limit-cycle. The physics step divides that period again. Both divide evenly, so nothing drifts.
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 from mujoco import batch
 
-from controllers import odometry, steering, traction
-from controllers.odometry import Odometry
-from controllers.steering import HandPoint, Heading
-from controllers.traction import Traction
+from controllers import traction
 from dynabot_mj import scene
-from dynabot_mj.arrays import Array, BoolArray, measured
-from dynabot_mj.frames import to_world
+from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.plants import LOOK_PERIOD, FleetState, NavigationError, free_joint
+from dynabot_mj.plants.local_laws import Drivers, LocalLaws, along
 
 LOCAL_PERIOD = 0.039  # longest period of the local laws [s]
 PHYSICS_STEP = 0.005  # longest physics step [s]; the contacts behave alike from 0.5 to 5 ms
@@ -38,20 +31,6 @@ _BREAKDOWNS = [
         mujoco.mjtWarning.mjWARN_BADCTRL,
     )
 ]
-
-
-_ODOMETRY = Odometry()
-
-
-@dataclass(frozen=True, kw_only=True)
-class LocalLaws:
-    """How each robot turns its force command into motor commands."""
-
-    steering: HandPoint | Heading
-    traction: Traction
-    odometry: Odometry = _ODOMETRY
-    on_board: bool = True  # False: they know the true speed, heading and yaw rate
-    wheel_resolution: float = 0.0  # of the wheel speeds, where sensors have errors [rad/s]
 
 
 class RigidBodyPlant:
@@ -82,7 +61,7 @@ class RigidBodyPlant:
         # the batch counts them, and those that matter are reported as divergence.
         mujoco.set_mju_user_warning(lambda message: None)
         robot = scene.read_robot(conditions)
-        self._vehicle, self._laws = robot.vehicle, laws
+        self._vehicle = robot.vehicle
         model = scene.compose(robots, conditions).compile()
         self._batch = batch.Batch(model, nsim=trials, nthread=threads)
         self._timestep = self._batch.expand("opt.timestep")  # (B,)
@@ -99,8 +78,6 @@ class RigidBodyPlant:
         self._qpos[..., :2] = position_w
         self._qpos[..., 2] = robot.height
         self._qpos[..., 3:7] = free_joint.turned(heading, np.array(robot.orientation))
-        self._reference = steering.rest(heading.shape)
-        self._velocity_w = np.zeros_like(position_w)
         self._diverged = np.zeros(trials, dtype=bool)
         self._hull_contact = np.zeros(trials, dtype=bool)
         self._wheel_slip = np.zeros(trials)
@@ -113,8 +90,7 @@ class RigidBodyPlant:
         self._velocity_before_w = self._linear_w.copy()
         self._impulse_b = np.zeros((2, trials, robots))
         self._state = self._read(0.0, 0.0)
-        self._sensed = self._state
-        self._past_error: NavigationError | None = None
+        self._drivers = Drivers(laws, robot.vehicle, self._state)
 
     @property
     def state(self) -> FleetState:
@@ -139,12 +115,12 @@ class RigidBodyPlant:
     @property
     def odometry_w(self) -> Array:
         """Velocity by wheels and accelerometer, (B, n, 2) [m/s]."""
-        return self._velocity_w
+        return self._drivers.odometry_w
 
     @property
     def reference_w(self) -> Array:
         """Velocity of the point mass that the steering law imitates, (B, n, 2) [m/s]."""
-        return self._reference.velocity_w
+        return self._drivers.reference_w
 
     def step(self, force_w: Array, gap: float, error: NavigationError | None = None) -> Sequence[FleetState]:
         """Advances by local-law periods and physics steps; see `Plant.step`."""
@@ -170,49 +146,9 @@ class RigidBodyPlant:
 
     def _act(self, force_w: Array, period: float, error: NavigationError | None) -> None:
         """Runs the local laws and sets the motors' commands."""
-        state, laws = self._state, self._laws
-        heading = state.heading if error is None else state.heading + error.heading
-        speed, yaw_rate = self._sense(heading, error)
-        if not laws.on_board:
-            heading, speed, yaw_rate = state.heading, _along(state.velocity_w, state.heading), state.yaw_rate
-        self._reference, motion = steering.steer(
-            self._reference,
-            force_w,
-            heading,
-            speed,
-            mass=self._vehicle.mass,
-            period=period,
-            gains=laws.steering,
+        self._ctrl[..., 0], self._ctrl[..., 1] = self._drivers.drive(
+            force_w, self._state, self._qvel[..., 5].copy(), self._qvel[..., 6:], period, error
         )
-        wheel_speed, torque = traction.drive(motion, speed, yaw_rate, vehicle=self._vehicle, gains=laws.traction)
-        self._ctrl[..., 0], self._ctrl[..., 1] = wheel_speed, torque
-        self._past_error = error
-
-    def _sense(self, heading: Array, error: NavigationError | None) -> tuple[Array, Array]:
-        """Returns forward speed and yaw rate by wheels, accelerometer and gyro, (B, n) [m/s], [rad/s]."""
-        before, now = self._sensed, self._state
-        spin = self._qvel[..., 5].copy()
-        if now.time > before.time:
-            period = now.time - before.time
-            increment_w, wheel_speed = now.velocity_w - before.velocity_w, self._qvel[..., 6:]
-            if error is not None:
-                wheel_speed = measured(wheel_speed, self._laws.wheel_resolution)
-            # The errors that held while the increments were gathered, not those of the period that begins.
-            past = self._past_error
-            if past is not None and past.acceleration_b is not None:
-                felt_b = now.specific_impulse_b - before.specific_impulse_b + period * past.acceleration_b
-                increment_w = to_world(felt_b, heading - 0.5 * period * (spin + past.yaw_rate))
-            self._velocity_w = odometry.velocity(
-                self._velocity_w,
-                increment_w,
-                heading,
-                wheel_speed,
-                wheel_radius=self._vehicle.wheel_radius,
-                period=period,
-                gains=self._laws.odometry,
-            )
-            self._sensed = now
-        return _along(self._velocity_w, heading), spin if error is None else spin + error.yaw_rate
 
     def _advance(self, steps: int) -> None:
         """Steps the trials that have not diverged."""
@@ -249,7 +185,7 @@ class RigidBodyPlant:
         """Returns the largest slip of a tyre along its wheel's plane now, (B,) [m/s]."""
         half_track = self._vehicle.track / 2.0
         ground = (
-            _along(self._state.velocity_w, self._state.heading)[..., None]
+            along(self._state.velocity_w, self._state.heading)[..., None]
             + half_track * self._state.yaw_rate[..., None] * traction.SIDES
         )
         slip = np.abs(self._vehicle.wheel_radius * self._qvel[..., 6:] - ground).max(axis=(1, 2))
@@ -267,11 +203,6 @@ class RigidBodyPlant:
             yaw_rate=np.where(gone[:, None], last.yaw_rate, state.yaw_rate),
             specific_impulse_b=np.where(gone[:, None, None], last.specific_impulse_b, state.specific_impulse_b),
         )
-
-
-def _along(velocity_w: Array, heading: Array) -> Array:
-    """Returns the speed along the heading, (B, n) [m/s]."""
-    return velocity_w[..., 0] * np.cos(heading) + velocity_w[..., 1] * np.sin(heading)
 
 
 def _grown(error: NavigationError | None, elapsed: float) -> NavigationError | None:

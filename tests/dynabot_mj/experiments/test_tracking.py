@@ -8,7 +8,7 @@ from controllers import gains
 from dynabot_mj import configuration, manoeuvres
 from dynabot_mj.experiments import formation_tracking, tracking
 from dynabot_mj.manoeuvres import Manoeuvre
-from dynabot_mj.plants.rigid_body import LocalLaws
+from dynabot_mj.plants.local_laws import LocalLaws
 
 TUNED = gains.load("tuned")
 LAWS = LocalLaws(steering=TUNED.hand_point, traction=TUNED.traction)

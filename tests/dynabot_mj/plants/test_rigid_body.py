@@ -7,8 +7,9 @@ from controllers import gains
 from controllers.odometry import REAL_SENSORS
 from dynabot_mj import scene
 from dynabot_mj.plants import LOOK_PERIOD, NavigationError
+from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.plants.particle import ParticlePlant
-from dynabot_mj.plants.rigid_body import LocalLaws, RigidBodyPlant
+from dynabot_mj.plants.rigid_body import RigidBodyPlant
 
 # The set that no tuning changes.
 FIRST = gains.load("first")

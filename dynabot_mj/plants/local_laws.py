@@ -1,0 +1,131 @@
+"""The local laws of rigid robots: from force commands and what is sensed on board to motor commands.
+
+They run on what the robot has on board: yaw rate from the gyro, forward speed from wheel speeds and accelerometer
+(`controllers.odometry`), and its heading. Those are ideal, or as wrong as the perception says. Or the laws run on the
+truth, to tell one's errors from the other's.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from controllers import odometry, steering, traction
+from controllers.odometry import Odometry
+from controllers.steering import HandPoint, Heading
+from controllers.traction import Traction
+from controllers.vehicle import Vehicle
+from dynabot_mj.arrays import Array, measured
+from dynabot_mj.frames import to_world
+from dynabot_mj.plants import FleetState, NavigationError
+
+_ODOMETRY = Odometry()
+
+
+@dataclass(frozen=True, kw_only=True)
+class LocalLaws:
+    """How each robot turns its force command into motor commands."""
+
+    steering: HandPoint | Heading
+    traction: Traction
+    odometry: Odometry = _ODOMETRY
+    on_board: bool = True  # False: they know the true speed, heading and yaw rate
+    wheel_resolution: float = 0.0  # of the wheel speeds, where sensors have errors [rad/s]
+
+
+class Drivers:
+    """The local laws at work, with what they remember of each robot."""
+
+    def __init__(self, laws: LocalLaws, vehicle: Vehicle, state: FleetState) -> None:
+        """Starts with robots at rest.
+
+        Args:
+            laws: Of each robot.
+            vehicle: The robots' parameters.
+            state: At the start.
+        """
+        self._laws, self._vehicle = laws, vehicle
+        self._reference = steering.rest(state.heading.shape)
+        self._velocity_w = np.zeros_like(state.velocity_w)
+        self._sensed = state
+        self._past_error: NavigationError | None = None
+
+    @property
+    def odometry_w(self) -> Array:
+        """Velocity by wheels and accelerometer, (B, n, 2) [m/s]."""
+        return self._velocity_w
+
+    @property
+    def reference_w(self) -> Array:
+        """Velocity of the point mass that the steering law imitates, (B, n, 2) [m/s]."""
+        return self._reference.velocity_w
+
+    def drive(
+        self,
+        force_w: Array,
+        state: FleetState,
+        spin: Array,
+        wheel_speed: Array,
+        period: float,
+        error: NavigationError | None = None,
+    ) -> tuple[Array, Array]:
+        """Returns the motors' commands for the period that begins.
+
+        Args:
+            force_w: Total command, (B, n, 2) [N].
+            state: The true state now.
+            spin: What an ideal gyro measures, (B, n) [rad/s].
+            wheel_speed: Of the four wheels, (B, n, 4) [rad/s].
+            period: Its length [s].
+            error: Of what the laws run on; None: ideal sensors and a known heading.
+
+        Returns:
+            Wheel speeds, (B, n, 4) [rad/s], and torque feed-forward, (B, n, 4) [Nm].
+        """
+        laws = self._laws
+        heading = state.heading if error is None else state.heading + error.heading
+        speed, yaw_rate = self._sense(heading, state, spin, wheel_speed, error)
+        if not laws.on_board:
+            heading, speed, yaw_rate = state.heading, along(state.velocity_w, state.heading), state.yaw_rate
+        self._reference, motion = steering.steer(
+            self._reference,
+            force_w,
+            heading,
+            speed,
+            mass=self._vehicle.mass,
+            period=period,
+            gains=laws.steering,
+        )
+        self._past_error = error
+        return traction.drive(motion, speed, yaw_rate, vehicle=self._vehicle, gains=laws.traction)
+
+    def _sense(
+        self, heading: Array, state: FleetState, spin: Array, wheel_speed: Array, error: NavigationError | None
+    ) -> tuple[Array, Array]:
+        """Returns forward speed and yaw rate by wheels, accelerometer and gyro, (B, n) [m/s], [rad/s]."""
+        before = self._sensed
+        if state.time > before.time:
+            period = state.time - before.time
+            increment_w = state.velocity_w - before.velocity_w
+            if error is not None:
+                wheel_speed = measured(wheel_speed, self._laws.wheel_resolution)
+            # The errors that held while the increments were gathered, not those of the period that begins.
+            past = self._past_error
+            if past is not None and past.acceleration_b is not None:
+                felt_b = state.specific_impulse_b - before.specific_impulse_b + period * past.acceleration_b
+                increment_w = to_world(felt_b, heading - 0.5 * period * (spin + past.yaw_rate))
+            self._velocity_w = odometry.velocity(
+                self._velocity_w,
+                increment_w,
+                heading,
+                wheel_speed,
+                wheel_radius=self._vehicle.wheel_radius,
+                period=period,
+                gains=self._laws.odometry,
+            )
+            self._sensed = state
+        return along(self._velocity_w, heading), spin if error is None else spin + error.yaw_rate
+
+
+def along(velocity_w: Array, heading: Array) -> Array:
+    """Returns the speed along the heading, (B, n) [m/s]."""
+    return velocity_w[..., 0] * np.cos(heading) + velocity_w[..., 1] * np.sin(heading)
