@@ -8,6 +8,7 @@ import numpy as np
 from dynabot_mj import statistics, testbed
 from dynabot_mj.experiments import circle, tables
 from dynabot_mj.experiments.circle import Outcome
+from dynabot_mj.experiments.tables import Table
 from dynabot_mj.statistics import Mean, Rate
 from estimation.build import NAMES, Name
 
@@ -56,6 +57,11 @@ def document(outcome: Outcome) -> dict[str, Any]:
 
 
 def markdown(outcome: Outcome) -> str:
+    """Returns the outcome as a readable table."""
+    return table(outcome).markdown(level=1) + "\n"
+
+
+def table(outcome: Outcome) -> Table:
     """Returns the outcome as a table beside the paper's."""
     asked = outcome.request
     header = ["estimator", "uncertainty [m]", "paper [m]", "true error [m]", "RMS [m]", "RMS, mean removed [m]"]
@@ -75,20 +81,19 @@ def markdown(outcome: Outcome) -> str:
         ]
         for row in rows(outcome)
     ]
-    lines = [
-        f"# Estimators on the {asked.path}, {asked.plant} plant: {asked.runs} runs of {asked.duration:g} s, "
+    return Table(
+        title=f"Estimators on the {asked.path}, {asked.plant} plant: {asked.runs} runs of {asked.duration:g} s, "
         f"T_s = {1e3 * asked.period:g} ms, seed {asked.seed}",
-        "",
-        *tables.aligned(header, body),
-        "",
-        f"Uncertainty gps > decoupled > coupled in {tables.rate(ordered(outcome))} % of the runs.",
-        "",
-        f"Mean ± sd over the runs, 95 % Wilson interval; of each run the first {circle.DROPPED:g} s are dropped.",
-        "Uncertainty: largest distance of the estimated path from the best-fit actual one (Table II of the paper).",
-        "True error: largest distance of an estimate from where the robot was. RMS is per axis. NEES and NIS of a",
-        "consistent filter are 10 and 4.",
-    ]
-    return "\n".join(lines) + "\n"
+        header=header,
+        body=body,
+        note=f"Uncertainty gps > decoupled > coupled in {tables.rate(ordered(outcome))} % of the runs.\n\n{_NOTE}",
+    )
+
+
+_NOTE = f"""Mean ± sd over the runs, 95 % Wilson interval; of each run the first {circle.DROPPED:g} s are dropped.
+Uncertainty: largest distance of the estimated path from the best-fit actual one (Table II of the paper).
+True error: largest distance of an estimate from where the robot was. RMS is per axis. NEES and NIS of a
+consistent filter are 10 and 4."""
 
 
 def _row(outcome: Outcome, name: Name) -> Row:

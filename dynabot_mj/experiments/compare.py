@@ -6,7 +6,7 @@ paper's Table III beside both.
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import xarray as xr
@@ -14,6 +14,7 @@ import xarray as xr
 from dynabot_mj import statistics
 from dynabot_mj.experiments import in_loop, tables
 from dynabot_mj.experiments.in_loop import EstimateError
+from dynabot_mj.experiments.tables import Table
 from dynabot_mj.statistics import Mean, Rate
 from dynabot_mj.testbed import ROBOTS, TABLE_III, TableIIIRow
 
@@ -142,48 +143,54 @@ def document(study: xr.Dataset) -> dict[str, Any]:
 
 
 def markdown(study: xr.Dataset) -> str:
-    """Returns the result as a readable table, the paper's rows beside."""
-    summary, differences = rows(study), paired(study)
+    """Returns the result as readable tables, the paper's rows beside."""
+    errors = in_loop.table(study)
+    others = [*difference_tables(study), *([errors] if errors else [])]
+    return "\n\n".join([table(study).markdown(level=1), *(one.markdown() for one in others)]) + "\n"
+
+
+def table(study: xr.Dataset) -> Table:
+    """Returns the cases as a table, the paper's rows beside."""
+    summary = rows(study)
     robots, trials = study.sizes["robot"], study.sizes["trial"]
-    duration = study.attrs["duration"]
     count = f"{trials} trials" if trials > 1 else "1 trial"
-    lines = [
-        f"# Formation of {robots} robots, {count} of {duration:g} s, seed {study.attrs['seed']}",
-        "",
-        *tables.aligned(_header(), _body(summary, robots)),
-        "",
-        "Rates in % with 95 % Wilson intervals; settling as mean ± sd over the n trials that neither collided nor",
-        "stayed unsettled. Hulls: footprints, which reach 1 cm beyond the hulls, overlap; contact: the simulator found",
-        "a hull touched. Band 1 m: the completion criterion common to all rows. Runs shorter than 13 s have neither",
-        "settling nor completion (-).",
-    ]
     sources = {one.perception or "perfect": one.velocity for one in summary}
     told = ", ".join(f"{source} ({perception})" for perception, source in sources.items())
-    lines += ["", f"Velocity of the dissipation: {told}."]
-    for title, chosen in (
-        ("Particle minus rigid body, on the same trials", [one for one in differences if _changes(one, "plant")]),
-        (
-            "One perception minus another, on the same trials",
-            [one for one in differences if _changes(one, "perception")],
-        ),
-    ):
-        if chosen:
-            lines += [
-                "",
-                f"## {title}",
-                "",
-                *tables.aligned(["estimator", "difference", *_DIFFERENCE_HEADER.values()], _difference_body(chosen)),
-            ]
-    if differences:
-        lines += [
-            "",
-            "Mean paired differences with 95 % bootstrap intervals; rates in percentage points. Settling (n): over the",
-            "n trials that settled without a collision in both cases, which the outcome selects. An interval of no",
-            "width means that all pairs are equal, not that the rates are known exactly: see their intervals above.",
-        ]
-    if table := in_loop.markdown(study):
-        lines += ["", table.rstrip()]
-    return "\n".join(lines) + "\n"
+    return Table(
+        title=f"Formation of {robots} robots, {count} of {study.attrs['duration']:g} s, seed {study.attrs['seed']}",
+        header=_header(),
+        body=_body(summary, robots),
+        note=f"{_NOTE}\n\nVelocity of the dissipation: {told}.",
+    )
+
+
+def difference_tables(study: xr.Dataset) -> list[Table]:
+    """Returns the paired differences, those between plants and those between perceptions, where there are any."""
+    differences = paired(study)
+    found = [
+        Table(
+            title=title,
+            header=["estimator", "difference", *_DIFFERENCE_HEADER.values()],
+            body=_difference_body(chosen),
+        )
+        for title, what in (
+            ("Particle minus rigid body, on the same trials", "plant"),
+            ("One perception minus another, on the same trials", "perception"),
+        )
+        if (chosen := [one for one in differences if _changes(one, what)])
+    ]
+    return [*found[:-1], *(replace(last, note=_DIFFERENCE_NOTE) for last in found[-1:])]
+
+
+_NOTE = """Rates in % with 95 % Wilson intervals; settling as mean ± sd over the n trials that neither collided nor
+stayed unsettled. Hulls: footprints, which reach 1 cm beyond the hulls, overlap; contact: the simulator found
+a hull touched. Band 1 m: the completion criterion common to all rows. Runs shorter than 13 s have neither
+settling nor completion (-)."""
+
+_DIFFERENCE_NOTE = """\
+Mean paired differences with 95 % bootstrap intervals; rates in percentage points. Settling (n): over the
+n trials that settled without a collision in both cases, which the outcome selects. An interval of no
+width means that all pairs are equal, not that the rates are known exactly: see their intervals above."""
 
 
 def _changes(difference: Paired, what: str) -> bool:

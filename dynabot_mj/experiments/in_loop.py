@@ -12,7 +12,7 @@ import tomli_w
 import xarray as xr
 
 from dynabot_mj import error_statistics
-from dynabot_mj.experiments import tables
+from dynabot_mj.experiments.tables import Table
 from estimation.gauss_markov import Component
 
 
@@ -78,8 +78,8 @@ def fitted_toml(study: xr.Dataset) -> str | None:
     return tomli_w.dumps({"fitted": found}) if found else None
 
 
-def markdown(study: xr.Dataset) -> str:
-    """Returns the errors of all cases as a readable table; empty where no case has any."""
+def table(study: xr.Dataset) -> Table | None:
+    """Returns the errors of all cases as a table; None where no case has any."""
     body = []
     for index in range(study.sizes["case"]):
         case = study.isel(case=index)
@@ -99,10 +99,10 @@ def markdown(study: xr.Dataset) -> str:
                 ]
             )
     if not body:
-        return ""
+        return None
     header = ["estimator", "plant", "perception", "position [m]", "as σ [m] / τ [s]"]
     header += ["velocity [m/s]", "as σ [m/s] / τ [s]", "heading [°]", "stale [%]", "restarts"]
-    return "\n".join(["## Errors of the robots' beliefs in the loop", "", *tables.aligned(header, body), "", _NOTE, ""])
+    return Table(title="Errors of the robots' beliefs in the loop", header=header, body=body, note=_NOTE)
 
 
 _NOTE = """Root mean squares per axis; behind them the Gauss-Markov sequences whose sum has an autocovariance close to

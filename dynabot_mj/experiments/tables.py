@@ -1,8 +1,28 @@
 """Markdown tables that line up in plain text too."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from dynabot_mj.statistics import Mean, Rate
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """A table for readers."""
+
+    title: str
+    header: Sequence[str]
+    body: Sequence[Sequence[str]]
+    note: str = ""  # what explains it, in paragraphs
+
+    def markdown(self, level: int = 2) -> str:
+        """Returns it as Markdown without a line break at the end.
+
+        Args:
+            level: Of its heading.
+        """
+        text = "\n".join([f"{'#' * level} {self.title}", "", *aligned(self.header, self.body)])
+        return f"{text}\n\n{self.note}" if self.note else text
 
 
 def aligned(header: Sequence[str], body: Sequence[Sequence[str]]) -> list[str]:
