@@ -44,6 +44,38 @@ def chosen(options: argparse.Namespace) -> Any:
     return _reproduced(options) if options.reproduce else _single(options)
 
 
+def saved_study(place: Path) -> tuple[Any, Path]:
+    """Reads a saved study.
+
+    Args:
+        place: Its file, or the folder of its results.
+
+    Returns:
+        The Dataset and its file.
+
+    Raises:
+        InputError: If there is none, or it cannot be read.
+    """
+    from dynabot_mj import study
+
+    path = place / "study.nc" if place.is_dir() else place
+    if not path.is_file():
+        raise InputError(f"there is no study at {path}")
+    try:
+        return study.load(path), path
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot read the study {path}: {error}") from error
+
+
+def changed_input(saved: Any) -> str | None:
+    """Returns which of the files that a saved study read has changed since; None where its trials can be repeated."""
+    from dynabot_mj import configuration, scenario
+
+    was = json.loads(saved.attrs.get("inputs", "{}"))  # older studies do not say
+    setup = configuration.load(saved.attrs["configuration"], "the study's configuration")
+    return next((name for name, digest in scenario.inputs(setup).items() if was.get(name) != digest), None)
+
+
 def _single(options: argparse.Namespace) -> Any:
     """Builds the configuration of one trial of one case."""
     setup = studies.build(
@@ -66,7 +98,7 @@ def _single(options: argparse.Namespace) -> Any:
 
 def _reproduced(options: argparse.Namespace) -> Any:
     """Builds the configuration of one trial of a saved study."""
-    from dynabot_mj import configuration, scenario, study
+    from dynabot_mj import configuration, scenario
 
     others = {name: name for name in ("config", "plant", "estimator", "perception", "trial", *studies.SCIENCE)}
     others["implementation"] = "filters"
@@ -77,21 +109,13 @@ def _reproduced(options: argparse.Namespace) -> Any:
         number = int(trial)
     except ValueError:
         raise InputError(f"--reproduce {options.reproduce!r} given, it must be STUDY:CASE:TRIAL") from None
-    path = Path(folder) / "study.nc" if Path(folder).is_dir() else Path(folder)
-    if not path.is_file():
-        raise InputError(f"there is no study at {path}")
-    try:
-        saved = study.load(path)
-    except (OSError, ValueError) as error:
-        raise InputError(f"cannot read the study {path}: {error}") from error
+    saved, path = saved_study(Path(folder))
     labels = [str(one) for one in saved.case.values]
     if label not in labels:
         raise InputError(f"case {label!r} given, the study has: {', '.join(labels)}")
     if number not in saved.trial.values:
         raise InputError(f"trial {number} given, the study has {saved.trial.values[0]} to {saved.trial.values[-1]}")
     setup = configuration.load(saved.attrs["configuration"], str(path))
-    was = json.loads(saved.attrs.get("inputs", "{}"))  # older studies do not say
-    for name, digest in scenario.inputs(setup).items():
-        if was.get(name) != digest:
-            raise InputError(f"the {name} {getattr(setup.vehicle, name)!r} of {path} has changed since that study")
+    if name := changed_input(saved):
+        raise InputError(f"the {name} {getattr(setup.vehicle, name)!r} of {path} has changed since that study")
     return scenario.one_trial(setup, label, number)
