@@ -3,17 +3,26 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: compare test test-slow gains pictures clean
+.PHONY: compare test test-slow browser gains pictures clean
 
 compare: $(VENV)/.installed
 	$(BIN)/dynabot compare
 
-test: $(VENV)/.installed
+test: $(VENV)/.installed browser
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 	OMP_NUM_THREADS=1 $(BIN)/pytest -n auto
+
+# A real browser for the test of the report, which is skipped without one.
+browser:
+	@command -v chromium >/dev/null || command -v google-chrome >/dev/null || { \
+	  command -v apt-get >/dev/null && echo "installing the system package chromium" && { \
+	  if [ "$$(id -u)" = 0 ]; then apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq chromium; \
+	  else sudo -n apt-get update -qq && sudo -n DEBIAN_FRONTEND=noninteractive apt-get install -y -qq chromium; fi; \
+	  } >/dev/null 2>&1; } || \
+	  echo "no browser: the test of the report in one is skipped; install the system package chromium"
 
 # Checks that take minutes: the statistics of Table III on fresh seeds, and the rigid plant against the particle.
 test-slow: $(VENV)/.installed
