@@ -11,10 +11,11 @@ from collections.abc import Callable, Sequence
 from typing import NoReturn
 
 from dynabot_mj import __version__
-from dynabot_mj.commands import benchmark, circle, compare, drive, estimate, run, schedule, track, tune
+from dynabot_mj.commands import benchmark, circle, compare, drive, estimate, report, run, schedule, track, tune
 from dynabot_mj.errors import InputError
 
-_COMMANDS = (compare, run, circle, estimate, drive, tune, track, schedule, benchmark)  # in the order of the help
+# In the order of the help.
+_COMMANDS = (compare, run, report, circle, estimate, drive, tune, track, schedule, benchmark)
 
 
 class _Parser(argparse.ArgumentParser):

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -37,7 +38,7 @@ _METRICS = {
 def settling(study: xr.Dataset) -> Figure:
     """Draws which share of the trials has settled by when, of those that did not collide."""
 
-    def draw(axis: Axes, case: xr.Dataset, **look: object) -> str:
+    def draw(axis: Axes, case: xr.Dataset, **look: Any) -> str:
         judged = np.isfinite(case.settled.values)
         times = case.settling.values[judged & (case.settled.values == 1.0)]
         _steps(axis, times, int(judged.sum()), float(study.attrs["duration"]), **look)
@@ -56,7 +57,7 @@ def closest(study: xr.Dataset) -> Figure:
     values = study.closest.values[np.isfinite(study.closest.values)]
     edge = 1.05 * max(float(values.max()), collision) if len(values) else 2.0 * collision
 
-    def draw(axis: Axes, case: xr.Dataset, **look: object) -> str:
+    def draw(axis: Axes, case: xr.Dataset, **look: Any) -> str:
         distances = case.closest.values[np.isfinite(case.closest.values)]
         _steps(axis, distances, len(distances), edge, **look)
         return f"{(distances < collision).sum()} of {len(distances)} collide"
@@ -138,7 +139,7 @@ def _panels(study: xr.Dataset, draw: Callable[..., str], across: str, up: str) -
     return figure
 
 
-def _steps(axis: Axes, values: Array, total: int, end: float, **look: object) -> None:
+def _steps(axis: Axes, values: Array, total: int, end: float, **look: Any) -> None:
     """Draws the share of `total` that is at most x, up to `end`; what has no value never counts."""
     ordered = np.sort(values)
     share = np.arange(len(ordered) + 1) / max(total, 1)

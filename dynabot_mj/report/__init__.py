@@ -1,0 +1,1 @@
+"""One page of HTML that tells a study: figures, tables, film and all that it takes to repeat it."""

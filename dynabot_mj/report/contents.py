@@ -1,0 +1,205 @@
+"""What a report says of a study, and in what order."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from dynabot_mj import estimation_figures, figures, recording_figures, study_figures
+from dynabot_mj.experiments import circle_report, compare, in_loop
+from dynabot_mj.experiments.circle import Outcome
+from dynabot_mj.figures import METHOD_NAMES, PERCEPTION_NAMES
+from dynabot_mj.recording import Recording
+from dynabot_mj.report import csv_tables, page, svg
+from dynabot_mj.report.page import Section
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """All that a report is made of."""
+
+    study: xr.Dataset
+    execution: Mapping[str, Any]  # of execution.json; empty where there is none
+    recordings: Sequence[Recording]  # of the study's first trial, one of each case; empty where it cannot be repeated
+    recordings_note: str  # what has to be said of them; may be empty
+    clip: bytes | None  # a film of one of them, mp4
+    clip_note: str  # what it shows, or why there is none
+    circle: Outcome
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """The page, and the CSV tables that it carries by file name."""
+
+    html: str
+    tables: Mapping[str, str]
+
+
+def build(material: Material) -> Report:
+    """Tells a study."""
+    study = material.study
+    tables = {**csv_tables.of_study(study), **csv_tables.of_circle(material.circle)}
+    sections = [
+        _result(study, tables),
+        _film(material),
+        _differences(study, tables),
+        _distributions(study, tables),
+        _paths(study),
+        _over_time(material),
+        _estimates(study),
+        _circle(material.circle, tables),
+        _origin(study, material.execution),
+    ]
+    command = material.execution.get("command")
+    made = f"<p>Made by <code>{escape(command)}</code></p>" if command else ""
+    html = page.html(
+        compare.table(study).title,
+        f"<p>{_INTRODUCTION}</p>\n{made}",
+        [section for section in sections if section is not None],
+        f"<p>{escape(study.attrs['title'])}. This page needs nothing but itself.</p>",
+    )
+    return Report(html=html, tables=tables)
+
+
+_INTRODUCTION = """Robots share one processor between estimation, control and radio, and gather around a leader. The
+same forces, errors and messages, trial by trial, drive point masses and rigid, skidding vehicles: what differs is the
+body."""
+
+
+def _result(study: xr.Dataset, tables: Mapping[str, str]) -> Section:
+    parts = [
+        _figure(
+            figures.table_iii(study),
+            "bars",
+            "Settling, collisions and completed formations, beside the paper's Table III. Whiskers: standard deviation "
+            "of the settling time, 95 % Wilson intervals of the rates.",
+        ),
+        page.table(compare.table(study)),
+        _downloads(tables, "cases.csv", "trials.csv"),
+    ]
+    return Section(title="Result", parts=parts)
+
+
+def _film(material: Material) -> Section:
+    shown = page.film(material.clip, material.clip_note) if material.clip else page.paragraphs(material.clip_note)
+    return Section(title="Film", parts=[shown])
+
+
+def _differences(study: xr.Dataset, tables: Mapping[str, str]) -> Section | None:
+    told = compare.difference_tables(study)
+    if not told:
+        return None
+    parts = []
+    if (figure := study_figures.differences(study)) is not None:
+        caption = "Mean paired differences between the plants with 95 % bootstrap intervals. Points: percentage points."
+        parts.append(_figure(figure, "differences", caption))
+    for table in told:
+        parts += [page.heading(table.title), page.table(table)]
+    return Section(title="What the body changes", parts=[*parts, _downloads(tables, "differences.csv")])
+
+
+def _distributions(study: xr.Dataset, tables: Mapping[str, str]) -> Section:
+    parts = [
+        _figure(
+            study_figures.settling(study),
+            "settling",
+            "Settling times: the share of the trials without a collision that has settled by a time. Lines end below 1 "
+            "where trials stay unsettled.",
+        ),
+        _figure(
+            study_figures.closest(study),
+            "closest",
+            "How near two centres came in a trial, of all trials. Shaded: nearer than the collision distance.",
+        ),
+        _downloads(tables, "trials.csv"),
+    ]
+    return Section(title="Distributions", parts=parts)
+
+
+def _paths(study: xr.Dataset) -> Section:
+    shown = dict.fromkeys(zip(map(str, study.estimator.values), map(str, study.perception.values), strict=True))
+    parts = [
+        _figure(
+            figures.trajectories(study, estimator, perception),
+            "-".join(["paths", estimator, *([perception] if perception else [])]),
+            f"Whole paths above, the end near the leader below: {_method(estimator, perception)}.",
+        )
+        for estimator, perception in shown
+    ]
+    return Section(title="Paths", parts=[page.paragraphs("As in the paper's Fig. 4, of the first trial."), *parts])
+
+
+def _over_time(material: Material) -> Section:
+    parts = [page.paragraphs(material.recordings_note)] if material.recordings_note else []
+    if material.recordings:
+        drawn = (
+            (recording_figures.distance, "Distances to the leader. Shaded: the floor of the leader's well."),
+            (
+                recording_figures.message_age,
+                "Time since the positions were sampled that robots have of each other: mean, and lowest to highest.",
+            ),
+            (recording_figures.effort, "Control effort: size of the forces that the robots command."),
+            (recording_figures.slip, "Slip of the tyres: of each robot's four, the largest."),
+            (
+                recording_figures.estimate_error,
+                "What robot 1 believes of its own x, less where it is, and three standard deviations of that belief.",
+            ),
+        )
+        for draw, caption in drawn:
+            if (figure := draw(material.recordings)) is not None:
+                parts.append(_figure(figure, draw.__name__.replace("_", "-"), caption))
+    return Section(title="One trial over time", parts=parts)
+
+
+def _estimates(study: xr.Dataset) -> Section | None:
+    figure, table = figures.errors(study), in_loop.table(study)
+    if figure is None or table is None:
+        return None
+    caption = "How long errors last: autocorrelation of the errors of the believed positions, and their size."
+    return Section(title="Errors in the loop", parts=[_figure(figure, "errors", caption), page.table(table)])
+
+
+def _circle(outcome: Outcome, tables: Mapping[str, str]) -> Section:
+    caption = (
+        "As in the paper's Fig. 3: what the estimators make of the same samples of one run, and how far they are from "
+        "the best-fit actual path at most."
+    )
+    parts = [
+        _figure(estimation_figures.paths(outcome), "circle", caption),
+        page.heading(circle_report.table(outcome).title),
+        page.table(circle_report.table(outcome)),
+        _downloads(tables, "circle.csv"),
+    ]
+    return Section(title="Estimators on a tether", parts=parts)
+
+
+def _origin(study: xr.Dataset, execution: Mapping[str, Any]) -> Section:
+    facts = {"seed": str(study.attrs["seed"]), "versions": escape(study.attrs["versions"])}
+    inputs = json.loads(study.attrs.get("inputs", "{}"))  # older studies do not say
+    facts |= {f"digest of the {name}": f"<code>{escape(digest)}</code>" for name, digest in inputs.items()}
+    if "command" in execution:
+        facts["command"] = f"<code>{escape(execution['command'])}</code>"
+    if "wall_s" in execution:
+        facts["executed"] = (
+            f"in {execution['wall_s']:.0f} s, processes: {execution['workers']}, "
+            f"threads in each: {execution['threads']}, cores: {execution['cores']}"
+        )
+    parts = [page.facts(facts), page.collapsed("Configuration: study.toml", study.attrs["configuration"])]
+    return Section(title="How it was made", parts=parts)
+
+
+def _figure(drawn: Figure, name: str, caption: str) -> str:
+    return page.figure(svg.inline(drawn, name, caption), caption)
+
+
+def _downloads(tables: Mapping[str, str], *names: str) -> str:
+    return page.downloads({name: tables[name] for name in names})
+
+
+def _method(estimator: str, perception: str) -> str:
+    name = METHOD_NAMES[estimator].replace("\n", " ")
+    return f"{name}, {PERCEPTION_NAMES[perception]}" if perception else name

@@ -1,0 +1,74 @@
+import json
+
+import pytest
+
+from dynabot_mj import configuration, study
+
+
+@pytest.fixture
+def results(tmp_path):
+    """The results of a study of one second, of one case."""
+    tiny = study.run(configuration.build({}, trials=1, duration=1.0, estimators=["gps"], plants=["particle"]))
+    study.save(tiny, tmp_path / "study.nc")
+    return tmp_path
+
+
+def test_the_page_and_its_tables_are_written_beside_the_study(dynabot, results):
+    (results / "execution.json").write_text(json.dumps({"command": "dynabot compare --trials 1"}))
+    done = dynabot("report", results)
+    assert done.returncode == 0
+    assert done.stdout.startswith(f"{results / 'report.html'}: ")
+    assert len(done.stdout.splitlines()) == 1
+    page = (results / "report.html").read_text(encoding="utf-8")
+    assert "dynabot compare --trials 1" in page
+    # One plant has nothing to be compared with.
+    assert sorted(file.name for file in (results / "tables").iterdir()) == ["cases.csv", "circle.csv", "trials.csv"]
+    assert "What the body changes" not in page
+
+
+def test_another_place_may_be_chosen_and_the_document_says_where(dynabot, results, tmp_path):
+    page = tmp_path / "elsewhere" / "page.html"
+    told = json.loads(dynabot("report", results, "--out", page, "--json").stdout)
+    assert told["page"] == str(page)
+    assert told["bytes"] == page.stat().st_size
+    assert all((tmp_path / "elsewhere" / "tables" / name).is_file() for name in ("cases.csv", "trials.csv"))
+    assert not (results / "report.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["absent"], "there is no study at absent"),
+        (["."], "there is no study at study.nc"),
+        (["results", "--out", "page.pdf"], "--out page.pdf given, it must be a file whose name ends with .html"),
+        (["results", "--out", "folder.html"], "--out folder.html given, it must be a file whose name ends with .html"),
+        (["results", "--out", "results/study.nc/page.html"], "cannot write to the folder results/study.nc"),
+        (["broken"], "cannot read the study broken/study.nc"),
+    ],
+)
+def test_nonsense_is_one_line_and_code_2(dynabot, tmp_path, results, options, message):
+    place = tmp_path / "work"
+    for name in ("results", "broken", "folder.html"):
+        (place / name).mkdir(parents=True)
+    (results / "study.nc").rename(place / "results" / "study.nc")
+    (place / "broken" / "study.nc").write_bytes(b"no study")
+    done = dynabot("report", *options, cwd=place)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert not list(place.rglob("*.csv"))
+
+
+def test_an_unreadable_note_of_the_execution_is_told(dynabot, results):
+    (results / "execution.json").write_text("{")
+    done = dynabot("report", results)
+    assert done.returncode == 2
+    assert "execution.json" in done.stderr
+    assert not (results / "report.html").exists()
+
+
+def test_a_study_of_another_vehicle_has_no_figures_over_time(dynabot, results):
+    changed = study.load(results / "study.nc").assign_attrs(inputs='{"model": "0", "gains": "0"}')
+    study.save(changed, results / "study.nc")
+    assert dynabot("report", results).returncode == 0
+    assert "the file of its model has changed since the study" in (results / "report.html").read_text(encoding="utf-8")

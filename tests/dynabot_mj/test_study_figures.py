@@ -1,0 +1,68 @@
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from dynabot_mj import configuration, study, study_figures
+
+
+@pytest.fixture
+def scored(dataset):
+    """A study in which, of three point-mass trials, one settles, one does not, and one collides."""
+    changed = dataset.copy(deep=True)
+    particle = {"case": 0}
+    changed.settling[particle] = [10.0, np.nan, np.nan]
+    changed.settled[particle] = [1.0, 0.0, np.nan]
+    changed.closest[particle] = [2.0, 1.0, 0.1]
+    return changed
+
+
+def test_trials_that_never_settle_keep_the_line_below_one(scored):
+    figure = study_figures.settling(scored)
+    line = figure.axes[0].lines[0]
+    assert line.get_label() == "point masses: 1 of 2 settle"
+    assert line.get_ydata()[-1] == 0.5
+    assert line.get_xdata().tolist() == [0.0, 10.0, 14.0]
+    plt.close(figure)
+
+
+def test_smallest_distances_are_those_of_all_trials_and_tell_collisions(scored):
+    figure = study_figures.closest(scored)
+    line = figure.axes[0].lines[0]
+    assert line.get_label() == "point masses: 1 of 3 collide"
+    assert line.get_xdata()[1:4].tolist() == [0.1, 1.0, 2.0]
+    assert line.get_ydata()[1:4] == pytest.approx([1 / 3, 2 / 3, 1.0])
+    plt.close(figure)
+
+
+def test_differences_are_particle_minus_rigid_with_their_intervals(dataset):
+    changed = dataset.copy(deep=True)
+    changed.top_speed[:] = [[2.0, 3.0, 4.0], [1.0, 2.0, 3.0]]
+    figure = study_figures.differences(changed)
+    titles = [axis.get_title() for axis in figure.axes]
+    axis = figure.axes[titles.index("top speed [m/s]")]
+    interval, place = axis.lines[:2]
+    assert place.get_xdata() == [1.0]
+    assert list(interval.get_xdata()) == pytest.approx([1.0, 1.0])
+    assert [label.get_text() for label in figure.axes[0].get_yticklabels()] == ["GPS"]
+    plt.close(figure)
+
+
+def test_one_plant_has_no_differences():
+    alone = study.run(configuration.build({}, trials=1, duration=1.0, estimators=["gps"], plants=["particle"]))
+    assert study_figures.differences(alone) is None
+    for draw in (study_figures.settling, study_figures.closest):  # too short to settle
+        plt.close(draw(alone))
+
+
+def test_several_perceptions_have_colours_and_names_of_their_own():
+    setup = configuration.build(
+        {}, trials=1, duration=1.0, estimators=["gps"], plants=["particle"], perception=["gauss-markov", "fitted"]
+    )
+    figure = study_figures.closest(study.run(setup))
+    lines = figure.axes[0].lines
+    assert [line.get_label().split(":")[0] for line in lines] == [
+        "point masses, Gauss-Markov error",
+        "point masses, fitted error",
+    ]
+    assert lines[0].get_color() != lines[1].get_color()
+    plt.close(figure)
