@@ -89,7 +89,7 @@ def differences(study: xr.Dataset) -> Figure | None:
                 _interval(axis, len(cases) - 1 - cases.index(one.a.split("/", 1)[1]), one, scale)
             axis.axvline(0.0, color="#444444", linewidth=0.9, zorder=1.0)
             reach = 1.15 * max(map(abs, axis.dataLim.intervalx), default=1.0)
-            reach = reach if np.isfinite(reach) and reach > 0.0 else 1.0
+            reach = reach if np.isfinite(reach) and reach > 1e-9 else 1.0
             axis.set_xlim(-reach, reach)
             axis.set_title(title, fontsize=10)
             axis.grid(axis="y", visible=False)
@@ -160,4 +160,4 @@ def _case_name(case: str, several: bool) -> str:
     """Returns the method's name, with its perception where there are several."""
     *perception, estimator = case.split("/")
     name = METHOD_NAMES[estimator].replace("\n", " ")
-    return f"{name}\n{PERCEPTION_NAMES[perception[0]]}" if perception and several else name
+    return f"{name}, {PERCEPTION_NAMES[perception[0]]}" if perception and several else name
