@@ -61,6 +61,28 @@ def felt_increment_b(axes_w: Array, change_w: Array, interval: float, gravity_w:
     return (axes_w * (change_w - interval * gravity_w)).sum(axis=1)
 
 
+def place(
+    qpos: Array, position_w: Array, heading: Array, height: float, orientation: tuple[float, float, float, float]
+) -> None:
+    """Puts robots on the ground, all standing alike but for their headings.
+
+    Args:
+        qpos: Their coordinates, the free joint's first, (..., 7 or more); changed in place.
+        position_w: Of their centres, (..., 2) [m].
+        heading: (...) [rad].
+        height: Of the chassis [m].
+        orientation: Of the chassis with heading zero, a quaternion.
+    """
+    qpos[..., :2] = position_w
+    qpos[..., 2] = height
+    qpos[..., 3:7] = turned(heading, np.array(orientation))
+
+
+def continued(heading: Array, yaw: Array) -> Array:
+    """Returns the angle that means a yaw and is within half a turn of the heading before, (...) [rad]."""
+    return heading + (yaw - heading + np.pi) % (2.0 * np.pi) - np.pi
+
+
 def turned(heading: Array, quaternion: Array) -> Array:
     """Returns an orientation turned about the world's z axis.
 

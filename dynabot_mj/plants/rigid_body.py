@@ -75,9 +75,7 @@ class RigidBodyPlant:
         self._ctrl = self._batch.bind("ctrl").reshape(trials, robots, len(scene.WHEELS), 2)
         self._sensors = self._batch.bind("sensordata").reshape(trials, -1)
         self._hull_sensors = [int(model.sensor(f"{scene.prefix(i)}hull_contact").adr[0]) for i in range(robots)]
-        self._qpos[..., :2] = position_w
-        self._qpos[..., 2] = robot.height
-        self._qpos[..., 3:7] = free_joint.turned(heading, np.array(robot.orientation))
+        free_joint.place(self._qpos, position_w, heading, robot.height, robot.orientation)
         self._diverged = np.zeros(trials, dtype=bool)
         self._hull_contact = np.zeros(trials, dtype=bool)
         self._wheel_slip = np.zeros(trials)
@@ -124,9 +122,7 @@ class RigidBodyPlant:
 
     def step(self, force_w: Array, gap: float, error: NavigationError | None = None) -> Sequence[FleetState]:
         """Advances by local-law periods and physics steps; see `Plant.step`."""
-        locals_ = math.ceil(gap / LOCAL_PERIOD - 1e-9)
-        period = gap / locals_
-        steps = math.ceil(period / PHYSICS_STEP - 1e-9)
+        locals_, period, steps = divided(gap)
         self._timestep[:] = period / steps
         per_look = max(1, int(LOOK_PERIOD / (period / steps) + 1e-9))
         start, states = self._state.time, []
@@ -161,7 +157,7 @@ class RigidBodyPlant:
     def _read(self, time: float, interval: float) -> FleetState:
         """Copies the planar state out of the batch, after an interval since it was last done."""
         orientation = free_joint.orientation(self._quaternion)
-        self._heading = self._heading + (orientation.yaw - self._heading + np.pi) % (2.0 * np.pi) - np.pi
+        self._heading = free_joint.continued(self._heading, orientation.yaw)
         self._feel(orientation.horizontal_w, interval)
         state = FleetState(
             time=time,
@@ -203,6 +199,12 @@ class RigidBodyPlant:
             yaw_rate=np.where(gone[:, None], last.yaw_rate, state.yaw_rate),
             specific_impulse_b=np.where(gone[:, None, None], last.specific_impulse_b, state.specific_impulse_b),
         )
+
+
+def divided(gap: float) -> tuple[int, float, int]:
+    """Returns how many periods of the local laws a gap has, their length [s], and the physics steps in one."""
+    periods = math.ceil(gap / LOCAL_PERIOD - 1e-9)
+    return periods, gap / periods, math.ceil(gap / periods / PHYSICS_STEP - 1e-9)
 
 
 def _grown(error: NavigationError | None, elapsed: float) -> NavigationError | None:
