@@ -11,11 +11,11 @@ from collections.abc import Callable, Sequence
 from typing import NoReturn
 
 from dynabot_mj import __version__
-from dynabot_mj.commands import benchmark, circle, compare, drive, estimate, report, run, schedule, track, tune
-from dynabot_mj.errors import InputError
+from dynabot_mj.commands import benchmark, circle, compare, doctor, drive, estimate, report, run, schedule, track, tune
+from dynabot_mj.errors import DynabotError, InputError
 
 # In the order of the help.
-_COMMANDS = (compare, run, report, circle, estimate, drive, tune, track, schedule, benchmark)
+_COMMANDS = (compare, run, report, circle, estimate, drive, tune, track, schedule, benchmark, doctor)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Whoever read our output has gone, e.g. `dynabot compare | head`.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except OSError as error:
+    except (DynabotError, OSError) as error:
         print(f"dynabot: {error}", file=sys.stderr)
         return 1
     return 0

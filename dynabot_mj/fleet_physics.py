@@ -1,0 +1,90 @@
+"""The rigid robots behind dm_control's `Physics`: read as a `FleetState`, driven by local laws or directly."""
+
+import numpy as np
+from dm_control import mujoco
+
+from dynabot_mj import scenario, scene
+from dynabot_mj.arrays import Array
+from dynabot_mj.plants import FleetState, free_joint
+from dynabot_mj.plants.local_laws import Drivers
+from dynabot_mj.plants.rigid_body import divided
+from dynabot_mj.scenario import Scenario
+
+_NOTHING_FELT = np.zeros((1, 1, 2))  # of accelerometers, on which the local laws do not run here
+
+
+class FleetPhysics(mujoco.Physics):
+    """All robots in MuJoCo, which local laws or wheel speeds drive; arrays as in studies, with B = 1 trial."""
+
+    period: float  # of the local laws [s]
+    steps: int  # of the physics in it
+    _force_w: Array | None  # (1, n, 2) that the local laws follow [N]; None: wheel speeds are held
+
+    def equip(self, setup: Scenario, gap: float) -> None:
+        """Gives the robots their local laws.
+
+        Args:
+            setup: Their configuration.
+            gap: For which commands will be held [s].
+        """
+        _, self.period, self.steps = divided(gap)
+        self.model.opt.timestep = self.period / self.steps
+        self._laws, self._robot = scenario.laws(setup), scene.read_robot(scenario.conditions(setup))
+        robots = setup.robots
+        self._qpos = self.data.qpos.reshape(1, robots, -1)
+        self._qvel = self.data.qvel.reshape(1, robots, -1)
+        self._ctrl = self.data.ctrl.reshape(1, robots, len(scene.WHEELS), 2)
+        self._sensors = self.data.sensordata
+        self._hulls = [int(self.model.sensor(f"{scene.prefix(i)}hull_contact").adr[0]) for i in range(robots)]
+
+    @property
+    def state(self) -> FleetState:
+        """The true state now; it does not know what accelerometers have felt."""
+        return self._state
+
+    @property
+    def touched(self) -> bool:
+        """Whether a hull has touched anything since the last command."""
+        return self._touched
+
+    def place(self, position_w: Array, heading: Array) -> None:
+        """Puts the robots at rest on their settled tyres, (1, n, 2) [m], (1, n) [rad]."""
+        free_joint.place(self._qpos, position_w, heading, self._robot.height, self._robot.orientation)
+        self._heading = heading
+        self._state = self._read(0.0)
+        self._drivers = Drivers(self._laws, self._robot.vehicle, self._state)
+        self._touched = False
+
+    def command_force(self, force_w: Array) -> None:
+        """Lets the local laws follow a force on each robot from now on, (1, n, 2) [N]."""
+        self._force_w, self._touched = force_w, False
+
+    def command_wheels(self, speed: Array) -> None:
+        """Holds wheel speeds from now on, (1, n, 4) [rad/s]."""
+        self._ctrl[..., 0], self._ctrl[..., 1] = speed, 0.0
+        self._force_w, self._touched = None, False
+
+    def step(self, nstep: int = 1) -> None:
+        """Advances by whole periods of the local laws, `nstep` physics steps in all."""
+        start, periods = self._state.time, nstep // self.steps
+        for local in range(periods):
+            if self._force_w is not None:
+                self._ctrl[..., 0], self._ctrl[..., 1] = self._drivers.drive(
+                    self._force_w, self._state, self._qvel[..., 5].copy(), self._qvel[..., 6:], self.period
+                )
+            super().step(self.steps)
+            # Rounded as studies round it.
+            self._state = self._read(round(start + self.period * (local + 1), 9))
+            self._touched = self._touched or bool(self._sensors[self._hulls].any())
+
+    def _read(self, time: float) -> FleetState:
+        orientation = free_joint.orientation(np.moveaxis(self._qpos[..., 3:7], -1, 0))
+        self._heading = free_joint.continued(self._heading, orientation.yaw)
+        return FleetState(
+            time=time,
+            position_w=self._qpos[..., :2].copy(),
+            velocity_w=self._qvel[..., :2].copy(),
+            heading=self._heading,
+            yaw_rate=orientation.yaw_rate(np.moveaxis(self._qvel[..., 3:6], -1, 0)),
+            specific_impulse_b=_NOTHING_FELT,
+        )
