@@ -1,31 +1,52 @@
 """`dynabot benchmark`."""
 
 import argparse
+from collections.abc import Callable
+from typing import Any
 
 from dynabot_mj.commands import parsers, results
 from dynabot_mj.errors import InputError
+
+_SIZES = {"filters": (300, 40), "environment": (3, 5)}  # robots, repetitions
 
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
     command = parsers.command(commands, benchmark, parsers.shared())
-    command.add_argument("subject", choices=["filters"], help="what is measured: the three estimators")
-    command.add_argument("--robots", type=int, default=300, help="in a batch (default 300)")
-    command.add_argument("--repetitions", type=int, default=40, help="of each time (default 40)")
+    command.add_argument("subject", choices=list(_SIZES), help="the three estimators; the dm_env environment")
+    command.add_argument("--robots", type=int, help="in a batch (default 300); in an environment (default 3)")
+    command.add_argument("--repetitions", type=int, help="of each time (default 40; of the environment 5)")
     parsers.add_out(command, "out/benchmark")
 
 
 def benchmark(options: argparse.Namespace) -> None:
-    """What the estimators cost: time in Python, and floating-point operations."""
+    """What the estimators cost, in time and floating-point operations; or the environment, against mj_step alone."""
     from dynabot_mj import progress
-    from dynabot_mj.experiments import benchmark as experiment
 
-    for name in ("robots", "repetitions"):
+    for name, default in zip(("robots", "repetitions"), _SIZES[options.subject], strict=True):
+        if getattr(options, name) is None:
+            setattr(options, name, default)
         if getattr(options, name) < 1:
             raise InputError(f"--{name} {getattr(options, name)} given, it must be at least 1")
     folder = results.open_folder(options, "benchmark")
     with progress.shown("benchmark") as tell:
-        report = experiment.filters(options.robots, options.repetitions, tell)
-    document, text = experiment.document(report), experiment.markdown(report)
+        document, text = _MEASURES[options.subject](options.robots, options.repetitions, tell)
     with results.report(options, folder, "benchmark", document, text):
         pass  # there are no figures
+
+
+def _filters(robots: int, repetitions: int, tell: Callable[[float], None]) -> tuple[Any, str]:
+    from dynabot_mj.experiments import benchmark as experiment
+
+    report = experiment.filters(robots, repetitions, tell)
+    return experiment.document(report), experiment.markdown(report)
+
+
+def _environment(robots: int, repetitions: int, tell: Callable[[float], None]) -> tuple[Any, str]:
+    from dynabot_mj.experiments import benchmark_environment as experiment
+
+    rows = experiment.run(robots, repetitions, tell)
+    return experiment.document(rows, robots, repetitions), experiment.markdown(rows, robots, repetitions)
+
+
+_MEASURES = {"filters": _filters, "environment": _environment}

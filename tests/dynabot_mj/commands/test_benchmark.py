@@ -5,6 +5,7 @@ import pytest
 
 from dynabot_mj.commands import benchmark
 from dynabot_mj.errors import InputError
+from dynabot_mj.experiments import benchmark_environment
 
 
 def run(*arguments):
@@ -20,6 +21,13 @@ def test_benchmark_prints_one_json_document_and_writes_its_results(tmp_path, cap
     assert document["filters"]["robots"] == 2
     assert json.loads((tmp_path / "a" / "benchmark.json").read_text()) == document
     assert "| decoupled" in (tmp_path / "a" / "benchmark.md").read_text()
+
+
+def test_the_environment_has_sizes_of_its_own(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(benchmark_environment, "_DURATION", 0.2)
+    run("environment", "--repetitions", "1", "--json", "--out", str(tmp_path / "a"))
+    document = json.loads(capsys.readouterr().out)["environment"]
+    assert (document["robots"], document["repetitions"]) == (3, 1)
 
 
 @pytest.mark.parametrize("option", ["--robots", "--repetitions"])

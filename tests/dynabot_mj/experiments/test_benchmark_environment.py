@@ -1,0 +1,28 @@
+import json
+
+import pytest
+
+from dynabot_mj import environment
+from dynabot_mj.experiments import benchmark_environment
+
+
+@pytest.fixture(scope="module")
+def rows():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(benchmark_environment, "_DURATION", 0.4)
+        return benchmark_environment.run(robots=2, repetitions=1)
+
+
+def test_all_kinds_are_measured(rows):
+    assert len({(row.estimator, row.action, row.observation) for row in rows}) == len(rows) == 16
+    for row in rows:
+        assert row.period_ms == pytest.approx(1e3 * environment.load(2, estimator=row.estimator).control_timestep())
+        assert row.environment_us > row.loop_us > 0.0
+        assert row.ratio == pytest.approx(row.loop_us / row.environment_us)
+
+
+def test_document_and_table(rows):
+    document = benchmark_environment.document(rows, 2, 1)
+    assert json.loads(json.dumps(document, allow_nan=False)) == document
+    assert len(document["environment"]["rows"]) == 16
+    assert benchmark_environment.markdown(rows, 2, 1).count("| heard ") == 8
