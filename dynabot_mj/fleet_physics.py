@@ -5,7 +5,7 @@ from dm_control import mujoco
 
 from dynabot_mj import scenario, scene
 from dynabot_mj.arrays import Array
-from dynabot_mj.plants import FleetState, free_joint
+from dynabot_mj.plants import LOOK_PERIOD, FleetState, free_joint
 from dynabot_mj.plants.local_laws import Drivers
 from dynabot_mj.plants.rigid_body import divided
 from dynabot_mj.scenario import Scenario
@@ -29,6 +29,7 @@ class FleetPhysics(mujoco.Physics):
         """
         _, self.period, self.steps = divided(gap)
         self.model.opt.timestep = self.period / self.steps
+        self._per_look = max(1, int(LOOK_PERIOD / self.model.opt.timestep + 1e-9))
         self._laws, self._robot = scenario.laws(setup), scene.read_robot(scenario.conditions(setup))
         robots = setup.robots
         self._qpos = self.data.qpos.reshape(1, robots, -1)
@@ -74,10 +75,15 @@ class FleetPhysics(mujoco.Physics):
                 self._ctrl[..., 0], self._ctrl[..., 1] = self._drivers.drive(
                     self._force_w, self._state, self._qvel[..., 5].copy(), self._qvel[..., 6:], self.period
                 )
-            super().step(self.steps)
+            done = 0
+            while done < self.steps:
+                # A touch may be over before the period is: hulls push each other apart.
+                count = min(self._per_look, self.steps - done)
+                done += count
+                super().step(count)
+                self._touched = self._touched or bool(self._sensors[self._hulls].any())
             # Rounded as studies round it.
             self._state = self._read(round(start + self.period * (local + 1), 9))
-            self._touched = self._touched or bool(self._sensors[self._hulls].any())
 
     def _read(self, time: float) -> FleetState:
         # MuJoCo's own axes, which dm_control keeps up to date, are quicker had than those of `free_joint.orientation`.

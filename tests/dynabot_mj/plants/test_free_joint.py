@@ -43,3 +43,18 @@ def test_in_free_fall_nothing_is_felt():
     gravity_w = np.array([0.0, 0.0, -9.81])
     axes_w = free_joint.orientation(QUATERNIONS[:, 0]).horizontal_w
     np.testing.assert_allclose(free_joint.felt_increment_b(axes_w, 0.2 * gravity_w, 0.2, gravity_w), 0.0, atol=1e-15)
+
+
+def test_placed_robots_stand_where_they_are_put():
+    qpos = np.full((2, 3, 11), 7.0)
+    heading = np.linspace(-3.0, 3.0, 6).reshape(2, 3)
+    free_joint.place(qpos, np.ones((2, 3, 2)), heading, 0.1, (1.0, 0.0, 0.0, 0.0))
+    np.testing.assert_array_equal(qpos[..., :3], np.broadcast_to([1.0, 1.0, 0.1], (2, 3, 3)))
+    np.testing.assert_allclose(free_joint.orientation(np.moveaxis(qpos[..., 3:7], -1, 0)).yaw, heading)
+    assert (qpos[..., 7:] == 7.0).all()
+
+
+def test_headings_continue_without_jumps():
+    heading = np.array([3.0, -3.0, 20.0])
+    turned = free_joint.continued(heading, np.arctan2(np.sin(heading + 0.5), np.cos(heading + 0.5)))
+    np.testing.assert_allclose(turned, heading + 0.5)

@@ -9,7 +9,7 @@ from dynabot_mj import scene
 from dynabot_mj.plants import LOOK_PERIOD, NavigationError
 from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.plants.particle import ParticlePlant
-from dynabot_mj.plants.rigid_body import RigidBodyPlant
+from dynabot_mj.plants.rigid_body import RigidBodyPlant, divided
 
 # The set that no tuning changes.
 FIRST = gains.load("first")
@@ -410,3 +410,10 @@ def test_odometry_and_reference_are_velocities_of_the_robot():
     plant = driven(LAWS, None)
     np.testing.assert_allclose(plant.odometry_w, plant.state.velocity_w, atol=0.1)
     np.testing.assert_allclose(plant.reference_w, plant.state.velocity_w, atol=0.3)
+
+
+@pytest.mark.parametrize(
+    ("gap", "periods", "steps"), [(0.010, 1, 2), (0.027, 1, 6), (0.036, 1, 8), (0.039, 1, 8), (0.156, 4, 8)]
+)
+def test_gaps_are_divided_evenly(gap, periods, steps):
+    assert divided(gap) == (periods, pytest.approx(gap / periods), steps)
