@@ -11,11 +11,24 @@ from collections.abc import Callable, Sequence
 from typing import NoReturn
 
 from dynabot_mj import __version__
-from dynabot_mj.commands import benchmark, circle, compare, doctor, drive, estimate, report, run, schedule, track, tune
+from dynabot_mj.commands import (
+    benchmark,
+    circle,
+    compare,
+    doctor,
+    drive,
+    estimate,
+    report,
+    run,
+    schedule,
+    track,
+    tune,
+    view,
+)
 from dynabot_mj.errors import DynabotError, InputError
 
 # In the order of the help.
-_COMMANDS = (compare, run, report, circle, estimate, drive, tune, track, schedule, benchmark, doctor)
+_COMMANDS = (compare, run, view, report, circle, estimate, drive, tune, track, schedule, benchmark, doctor)
 
 
 class _Parser(argparse.ArgumentParser):
