@@ -18,7 +18,7 @@ TRAIL = 20.0  # how far back a robot's trail reaches [s]
 TRAIL_SPACING = 0.2  # between two points of it [s]
 
 _RING_SEGMENTS = 120
-_RING_COLOURS = ((0.95, 0.90, 0.25, 1.0), (0.85, 0.85, 0.85, 1.0))  # of h0, as the leader; of h0 + eps
+_RING_COLOURS = ((0.85, 0.70, 0.05, 1.0), (0.60, 0.60, 0.60, 1.0))  # of h0, as the leader; of h0 + eps
 _GHOST_RADIUS, _GHOST_HEIGHT, _GHOST_OPACITY = 0.12, 0.45, 0.55  # [m], [m]; above the robot, which would hide it
 _NOWHERE = (0.0, 0.0, -100.0)  # where a robot believes to be that does not know [m]
 
@@ -100,7 +100,7 @@ def _add_ring(field: mujoco.MjSpec, radius: float, colour: Sequence[float]) -> N
     for angle in 2.0 * np.pi * np.arange(_RING_SEGMENTS) / _RING_SEGMENTS:
         field.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX,
-            size=[0.02, 1.05 * np.pi * radius / _RING_SEGMENTS, 0.004],
+            size=[0.03, 1.05 * np.pi * radius / _RING_SEGMENTS, 0.004],
             pos=[radius * np.cos(angle), radius * np.sin(angle), 0.005],
             quat=[np.cos(angle / 2.0), 0.0, 0.0, np.sin(angle / 2.0)],
             contype=0,
