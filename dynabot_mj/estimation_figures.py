@@ -9,9 +9,10 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
 from dynabot_mj.arrays import Array
+from dynabot_mj.colours import METHOD_COLOURS
 from dynabot_mj.experiments import circle
 from dynabot_mj.experiments.circle import Chunk, Outcome
-from dynabot_mj.figures import METHOD_COLOURS, METHOD_NAMES, STYLE
+from dynabot_mj.figures import METHOD_NAMES, STYLE
 from estimation.build import NAMES, Name
 from estimation.measurements import rotation, wrap
 

@@ -16,13 +16,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from dynabot_mj import configuration, scenario, statistics, testbed
+from dynabot_mj.colours import METHOD_COLOURS, PERCEPTION_COLOURS, ROBOT_COLOURS
 from dynabot_mj.experiments import compare
 from dynabot_mj.experiments.compare import Row
 from dynabot_mj.scenario import Scenario
 
-# Okabe and Ito's palette for robots; Tol's "muted" and "bright" for methods, none of them shared.
-ROBOT_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#000000")
-METHOD_COLOURS = {"perfect": "#777777", "gps": "#AA3377", "decoupled": "#332288", "coupled": "#999933"}
 METHOD_NAMES = {
     "perfect": "perfect\ninformation",
     "gps": "GPS",
@@ -36,8 +34,6 @@ PERCEPTION_NAMES = {
     "filter": "filters",
     "fitted": "fitted error",
 }
-PERCEPTION_COLOURS = {"gauss-markov": "#CC6677", "filter": "#117733", "fitted": "#88CCEE"}
-
 _PLANT_ALPHA = {"particle": 0.45, "rigid": 1.0}
 _PERCEPTION_HATCH = {"": "", "gauss-markov": "", "filter": "...", "fitted": "xxx"}
 

@@ -83,6 +83,7 @@ class FilterPerception:
         return Belief(
             position_w=estimate.position_w,
             velocity_w=estimate.velocity_w,
+            position_covariance=estimate.position_covariance,
             known=known,
             stale=estimate.stale,
             restarts=estimate.restarts,

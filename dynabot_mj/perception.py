@@ -5,7 +5,7 @@ One protocol, an implementation per kind of belief; the loop cannot tell which i
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -24,6 +24,7 @@ class Belief:
 
     position_w: Array  # (B, n, 2) [m]
     velocity_w: Array  # (B, n, 2) [m/s]
+    position_covariance: Array  # (B, n, 2, 2) as the robot believes it [m^2]
     known: BoolArray  # (B, n) whether it knows where it is at all; one that does not neither acts nor broadcasts
     stale: BoolArray  # (B, n) whether it has been carried on without a fix for long
     restarts: npt.NDArray[np.int64]  # (B, n) times that an estimator broke down and was started again
@@ -33,6 +34,7 @@ class Belief:
         return Belief(
             position_w=np.where(due[..., None], fresh.position_w, self.position_w),
             velocity_w=np.where(due[..., None], fresh.velocity_w, self.velocity_w),
+            position_covariance=np.where(due[..., None, None], fresh.position_covariance, self.position_covariance),
             known=np.where(due, fresh.known, self.known),
             stale=np.where(due, fresh.stale, self.stale),
             restarts=np.where(due, fresh.restarts, self.restarts),
@@ -45,10 +47,17 @@ def certain(position_w: Array, velocity_w: Array) -> Belief:
     return Belief(
         position_w=position_w,
         velocity_w=velocity_w,
+        position_covariance=np.zeros((*shape, 2, 2)),
         known=np.ones(shape, dtype=bool),
         stale=np.zeros(shape, dtype=bool),
         restarts=np.zeros(shape, dtype=np.int64),
     )
+
+
+def _off_by(belief: Belief, variance: float) -> Belief:
+    """Returns a belief whose robots know how wrong their positions are, per axis [m^2]."""
+    covariance = np.broadcast_to(variance * np.eye(2), belief.position_covariance.shape)
+    return replace(belief, position_covariance=covariance)
 
 
 class Perception(Protocol):
@@ -146,6 +155,7 @@ class GaussMarkovPerception(_Ideal):
             seed: Seed of the study.
             trials: Numbers of the trials, length B.
         """
+        self._variance = uncertainty**2 / 2.0
         self._error = ErrorSequence(
             [Component(deviation=uncertainty / np.sqrt(2.0), time=correlation_time)],
             sample_period,
@@ -155,7 +165,7 @@ class GaussMarkovPerception(_Ideal):
 
     def observe(self, state: FleetState, due: BoolArray) -> Belief:
         """Returns the true state with the position off by the errors of this sample."""
-        return certain(state.position_w + self._error.next(due), state.velocity_w)
+        return _off_by(certain(state.position_w + self._error.next(due), state.velocity_w), self._variance)
 
 
 class FittedPerception:
@@ -183,6 +193,7 @@ class FittedPerception:
             trials: Numbers of the trials, length B.
         """
         shape = (len(trials), robots)
+        self._variance = sum(component.deviation**2 for component in position)
         purposes = (Purpose.FITTED_POSITION, Purpose.FITTED_VELOCITY, Purpose.FITTED_HEADING)
         self._position, self._velocity, self._heading = (
             ErrorSequence(
@@ -198,7 +209,8 @@ class FittedPerception:
     def observe(self, state: FleetState, due: BoolArray) -> Belief:
         """Returns the true state with the errors of this sample."""
         self._heading_error = self._heading.next(due)
-        return certain(state.position_w + self._position.next(due), state.velocity_w + self._velocity.next(due))
+        belief = certain(state.position_w + self._position.next(due), state.velocity_w + self._velocity.next(due))
+        return _off_by(belief, self._variance)
 
     def look(self, state: FleetState) -> None:
         """Nothing is sensed between samples."""

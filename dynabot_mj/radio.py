@@ -92,7 +92,7 @@ class Heard:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Message:
+class Message:
     """One broadcast of all robots, on its way."""
 
     position_w: Array  # (B, n, 2) [m]
@@ -115,26 +115,29 @@ class Radio:
         self._link = link
         self._latency = Draws(seed, trials, Purpose.LATENCY, (robots,))
         self._loss = Draws(seed, trials, Purpose.LOSS, (robots, robots))
-        self._in_flight: deque[_Message] = deque()
+        self._in_flight: deque[Message] = deque()
         self._self = np.eye(robots, dtype=bool)
         self._position_w = np.zeros((len(trials), robots, robots, 2))
         self._sampled_at = np.full((len(trials), robots, robots), -np.inf)
 
-    def broadcast(self, position_w: Array, sampled_at: Array, due: BoolArray) -> None:
+    def broadcast(self, position_w: Array, sampled_at: Array, due: BoolArray) -> Message:
         """Sends one message from each robot that is due to all others.
 
         Args:
             position_w: Position that each robot believes it has, (B, n, 2) [m].
             sampled_at: When it was sampled, and is sent, (B, n) [s].
             due: Which robots send, (B, n).
+
+        Returns:
+            What is on its way now, and what will never arrive.
         """
         latency = self._link.latency(self._latency.next())
         lost = self._loss.next() < self._link.loss
         never = lost | self._self | ~due[:, None, :]
         arrives_at = np.where(never, np.inf, (sampled_at + latency)[:, None, :])
-        self._in_flight.append(
-            _Message(position_w=position_w.copy(), sampled_at=sampled_at.copy(), arrives_at=arrives_at)
-        )
+        message = Message(position_w=position_w.copy(), sampled_at=sampled_at.copy(), arrives_at=arrives_at)
+        self._in_flight.append(message)
+        return message
 
     def heard(self, now: Array) -> Heard:
         """Delivers what has arrived and returns what each robot knows of the others.

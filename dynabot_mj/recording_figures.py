@@ -13,7 +13,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from dynabot_mj import scenario
 from dynabot_mj.arrays import Array
-from dynabot_mj.figures import METHOD_COLOURS, METHOD_NAMES, PERCEPTION_NAMES, PLANT_NAMES, ROBOT_COLOURS, STYLE
+from dynabot_mj.colours import METHOD_COLOURS, ROBOT_COLOURS
+from dynabot_mj.figures import METHOD_NAMES, PERCEPTION_NAMES, PLANT_NAMES, STYLE
 from dynabot_mj.recording import Recording
 
 _MEAN = "#111111"

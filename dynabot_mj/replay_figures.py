@@ -12,9 +12,10 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.colours import METHOD_COLOURS
 from dynabot_mj.experiments import estimate
 from dynabot_mj.experiments.estimate import Replay
-from dynabot_mj.figures import METHOD_COLOURS, METHOD_NAMES, STYLE
+from dynabot_mj.figures import METHOD_NAMES, STYLE
 from dynabot_mj.logs import Log
 from dynabot_mj.replay import Track
 from estimation.build import Name

@@ -7,6 +7,7 @@ makes the comparison fair.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +29,7 @@ from dynabot_mj.perception import (
 from dynabot_mj.plants import FleetState, Plant
 from dynabot_mj.plants.particle import ParticlePlant
 from dynabot_mj.plants.rigid_body import RigidBodyPlant
-from dynabot_mj.radio import Radio
+from dynabot_mj.radio import Heard, Message, Radio
 from dynabot_mj.scenario import Case, Scenario
 from dynabot_mj.streams import Purpose, generators
 from dynabot_mj.testbed import SETTLING_SHARE
@@ -66,6 +67,30 @@ class Clocks:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Event:
+    """What robots know and do at an event, and until the next one."""
+
+    time: float  # [s]
+    belief: Belief
+    sent: BoolArray  # (B, n) who broadcasts
+    message: Message | None  # what is broadcast; None where nobody samples
+    heard: Heard  # as of the latest control event
+    force_w: Array  # (B, n, 2) command [N]
+
+
+class Observer(Protocol):
+    """Watches trials without touching them."""
+
+    def event(self, event: Event) -> None:
+        """Takes an event, after the robots have decided."""
+        ...
+
+    def look(self, state: FleetState) -> None:
+        """Takes a state on the way to the next event; the first look is at the start, before any event."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
 class Outcome:
     """What is kept of the trials of one case."""
 
@@ -92,6 +117,7 @@ def simulate(
     recorded: int = 0,
     threads: int = 1,
     progress: Progress = lambda share: None,
+    observer: Observer | None = None,
 ) -> Outcome:
     """Runs trials of one case.
 
@@ -104,6 +130,7 @@ def simulate(
         recorded: R, for how many of them the trajectory is kept.
         threads: Of the rigid plant.
         progress: Called now and then.
+        observer: Is shown everything; None: nobody watches.
     """
     tick = setup.processor.tick
     sample_ticks, control_ticks = scenario.periods(setup, case.estimator)
@@ -123,7 +150,9 @@ def simulate(
     nobody = np.zeros(heading.shape, dtype=bool)
     belief = replace(certain(position_w, np.zeros_like(position_w)), known=nobody)
     ever_known = nobody
-    force_w = np.zeros_like(position_w)
+    force_w, heard = np.zeros_like(position_w), radio.heard(np.zeros(heading.shape))
+    if observer is not None:
+        observer.look(plant.state)
     age_sum, age_count = np.zeros(len(trials)), np.zeros(len(trials))
 
     for now, then in clocks.events(duration_ticks):
@@ -131,13 +160,14 @@ def simulate(
         sampling, acting = (
             np.broadcast_to(clocks.due(now, period), heading.shape) for period in (sample_ticks, control_ticks)
         )
+        message = None
         if sampling.any():
             fresh = perception.observe(state, sampling)
             if case.perception is not None:
                 errors.take(fresh, state, perception.navigation_error(state.time), sampling)
             ever_known = ever_known | (sampling & fresh.known)
             belief = belief.renewed(replace(fresh, velocity_w=velocity(fresh)), sampling)
-            radio.broadcast(belief.position_w, time, sampling & belief.known)
+            message = radio.broadcast(belief.position_w, time, sampling & belief.known)
         if acting.any():
             heard = radio.heard(time)
             command_w = potential_field.total_force(
@@ -149,10 +179,17 @@ def simulate(
             age_sum += np.where(used, time[..., None] - heard.sampled_at, 0.0).sum(axis=(1, 2))
             age_count += used.sum(axis=(1, 2))
             scorer.control(state)
+        if observer is not None:
+            sent = sampling & belief.known
+            observer.event(
+                Event(time=now * tick, belief=belief, sent=sent, message=message, heard=heard, force_w=force_w)
+            )
         for look in plant.step(force_w, (then - now) * tick, perception.navigation_error(state.time)):
             perception.look(look)
             scorer.look(look)
             recorder.look(look)
+            if observer is not None:
+                observer.look(look)
         progress(then / duration_ticks)
     scorer.control(plant.state)
     return Outcome(

@@ -14,7 +14,8 @@ from dynabot_mj import configuration
 from dynabot_mj.arrays import Array
 from dynabot_mj.experiments import compare
 from dynabot_mj.experiments.compare import Paired
-from dynabot_mj.figures import (
+from dynabot_mj.colours import 
+from dynabot_mj.figures import 
     METHOD_COLOURS,
     METHOD_NAMES,
     PERCEPTION_COLOURS,

@@ -8,11 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dynabot_mj import manoeuvres
+from dynabot_mj.colours import ROBOT_COLOURS
 from dynabot_mj.experiments.parity import Parity
 from dynabot_mj.experiments.track import Report
 from dynabot_mj.experiments.tracking import Tracking
 from dynabot_mj.experiments.tune_traction import Result
-from dynabot_mj.figures import ROBOT_COLOURS, STYLE
+from dynabot_mj.figures import STYLE
 
 _PARTICLE = "#777777"
 

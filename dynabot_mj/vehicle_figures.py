@@ -8,8 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from dynabot_mj.colours import ROBOT_COLOURS
 from dynabot_mj.experiments.drive import SLIDES, SPUN_OUT, Report
-from dynabot_mj.figures import ROBOT_COLOURS, STYLE
+from dynabot_mj.figures import STYLE
 
 PAPER_SPEED = 10.0  # top speed [m/s], Sec. II
 _MARKERS = ("o", "s", "^", "D")

@@ -22,6 +22,9 @@ class FleetState:
     # (B, n, 2) integral since the start of what ideal accelerometers feel ahead and to the left, gravity in a tilted
     # robot included [m/s]: differences between two times are velocity increments, as inertial units give them.
     specific_impulse_b: Array
+    # Of bodies; None: point masses.
+    pose: Array | None = None  # (B, n, 11) MuJoCo's coordinates: the free joint's, then the wheels' angles [rad]
+    wheel_speed: Array | None = None  # (B, n, 4) in the order of `scene.WHEELS` [rad/s]
 
 
 @dataclass(frozen=True, kw_only=True)

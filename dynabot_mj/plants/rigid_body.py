@@ -13,6 +13,7 @@ import numpy as np
 from mujoco import batch
 
 from controllers import traction
+from controllers.vehicle import Vehicle
 from dynabot_mj import scene
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.plants import LOOK_PERIOD, FleetState, NavigationError, free_joint
@@ -166,6 +167,8 @@ class RigidBodyPlant:
             heading=self._heading,
             yaw_rate=orientation.yaw_rate(self._spin_b),
             specific_impulse_b=self._impulse_b.transpose(1, 2, 0),
+            pose=self._qpos.copy(),
+            wheel_speed=self._qvel[..., 6:].copy(),
         )
         return self._frozen(state) if self._diverged.any() else state
 
@@ -179,12 +182,7 @@ class RigidBodyPlant:
 
     def _slip(self) -> Array:
         """Returns the largest slip of a tyre along its wheel's plane now, (B,) [m/s]."""
-        half_track = self._vehicle.track / 2.0
-        ground = (
-            along(self._state.velocity_w, self._state.heading)[..., None]
-            + half_track * self._state.yaw_rate[..., None] * traction.SIDES
-        )
-        slip = np.abs(self._vehicle.wheel_radius * self._qvel[..., 6:] - ground).max(axis=(1, 2))
+        slip = tyre_slip(self._state, self._qvel[..., 6:], self._vehicle).max(axis=(1, 2))
         return np.where(self._diverged, 0.0, slip)
 
     def _frozen(self, state: FleetState) -> FleetState:
@@ -198,13 +196,34 @@ class RigidBodyPlant:
             heading=self._heading,
             yaw_rate=np.where(gone[:, None], last.yaw_rate, state.yaw_rate),
             specific_impulse_b=np.where(gone[:, None, None], last.specific_impulse_b, state.specific_impulse_b),
+            pose=_kept(gone, last.pose, state.pose),
+            wheel_speed=_kept(gone, last.wheel_speed, state.wheel_speed),
         )
+
+
+def tyre_slip(state: FleetState, wheel_speed: Array, vehicle: Vehicle) -> Array:
+    """Returns how fast each tyre slips along its wheel's plane, (B, n, 4) [m/s].
+
+    Args:
+        state: Of the robots.
+        wheel_speed: Of their wheels, (B, n, 4) [rad/s].
+        vehicle: Their parameters.
+    """
+    forward = along(state.velocity_w, state.heading)[..., None]
+    ground = forward + (vehicle.track / 2.0) * state.yaw_rate[..., None] * traction.SIDES
+    slip: Array = np.abs(vehicle.wheel_radius * wheel_speed - ground)
+    return slip
 
 
 def divided(gap: float) -> tuple[int, float, int]:
     """Returns how many periods of the local laws a gap has, their length [s], and the physics steps in one."""
     periods = math.ceil(gap / LOCAL_PERIOD - 1e-9)
     return periods, gap / periods, math.ceil(gap / periods / PHYSICS_STEP - 1e-9)
+
+
+def _kept(gone: BoolArray, last: Array | None, now: Array | None) -> Array | None:
+    """Returns what there is now, but for trials that are gone, which keep what they had."""
+    return now if last is None or now is None else np.where(gone[:, None, None], last, now)
 
 
 def _grown(error: NavigationError | None, elapsed: float) -> NavigationError | None:

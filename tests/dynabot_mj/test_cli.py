@@ -108,8 +108,8 @@ def test_ctrl_c_keeps_finished_parts_and_resume_continues(dynabot, command, tmp_
 
 @pytest.mark.parametrize("delay", [0.0, 0.5, 1.5])
 def test_ctrl_c_while_the_workers_start_is_one_line(command, delay, tmp_path):
-    options = ["--trials", "300", "--plants", "particle", "--workers", "2", "--out", str(tmp_path / "x")]
-    process = subprocess.Popen([command, "compare", *options], stderr=subprocess.PIPE, text=True, start_new_session=True)
+    line = [command, "compare", "--trials", "300", "--plants", "particle", "--workers", "2", "--out", tmp_path / "x"]
+    process = subprocess.Popen(line, stderr=subprocess.PIPE, text=True, start_new_session=True)
     # The study is announced by a note on its periods; until then a busy machine may still be importing.
     assert process.stderr.readline().startswith("note:")
     time.sleep(delay)
