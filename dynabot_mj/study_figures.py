@@ -12,17 +12,10 @@ from matplotlib.figure import Figure
 
 from dynabot_mj import configuration
 from dynabot_mj.arrays import Array
+from dynabot_mj.colours import METHOD_COLOURS, PERCEPTION_COLOURS
 from dynabot_mj.experiments import compare
 from dynabot_mj.experiments.compare import Paired
-from dynabot_mj.colours import 
-from dynabot_mj.figures import 
-    METHOD_COLOURS,
-    METHOD_NAMES,
-    PERCEPTION_COLOURS,
-    PERCEPTION_NAMES,
-    PLANT_NAMES,
-    STYLE,
-)
+from dynabot_mj.figures import METHOD_NAMES, PERCEPTION_NAMES, PLANT_NAMES, STYLE
 
 _LINES = {"rigid": "-", "particle": (0, (3.0, 1.4))}
 # Of `compare.PAIRED_METRICS`: what is written above a panel, and by what its values are multiplied.
