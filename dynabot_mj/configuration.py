@@ -15,7 +15,7 @@ import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
 from controllers.potential_field import polygon_circumradius
-from dynabot_mj import filter_parameters, scene, sensor_errors
+from dynabot_mj import control_laws, filter_parameters, scene, sensor_errors
 from dynabot_mj.errors import InputError, one_line
 from dynabot_mj.scenario import Methods, Scenario, VehicleOptions, conditions, field, laws, mass, method, periods
 
@@ -141,6 +141,7 @@ def check(setup: Scenario) -> None:
             "from the leader, or nothing draws the robots there"
         )
     _check_perception(setup)
+    control_laws.source(setup.controller)
     if isinstance(setup.vehicle.friction, tuple) and setup.vehicle.friction[0] > setup.vehicle.friction[1]:
         low, high = setup.vehicle.friction
         raise InputError(f"vehicle.friction = {low:g}..{high:g} given, the first must not be above the second")

@@ -23,7 +23,7 @@ the flat floors. Episodes end with the duration, with discount 1; nothing ends t
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal, get_args
 
 import numpy as np
@@ -32,9 +32,10 @@ from dm_control.rl import control
 from dm_env import specs
 
 from controllers import potential_field
+from controllers.law import Information
 from controllers.potential_field import Well
 from dynabot_mj import configuration, scenario, scene, simulation
-from dynabot_mj.arrays import Array
+from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.errors import InputError
 from dynabot_mj.fleet_physics import FleetPhysics
 from dynabot_mj.radio import Radio
@@ -84,6 +85,26 @@ def load(
         # The time limit is compared with a count of steps; half a step keeps rounding from adding one.
         time_limit=(count - 0.5) * period,
         n_sub_steps=physics.steps * round(period / physics.period),
+    )
+
+
+def information(observation: Mapping[str, Array]) -> Information:
+    """Returns what a law is given, from an observation of either kind; of `truth`, all is heard at once.
+
+    Args:
+        observation: Of this environment.
+    """
+    position_w = observation["position"]
+    others = ~np.eye(len(position_w), dtype=bool)
+    known: BoolArray = np.asarray(observation.get("heard_known", others), dtype=bool)
+    return Information(
+        time=float(observation["time"]),
+        position_w=position_w,
+        velocity_w=observation["velocity"],
+        leader_w=observation["leader"],
+        heard_position_w=observation.get("heard_position", np.where(others[..., None], position_w, 0.0)),
+        heard_known=known,
+        heard_age=np.where(known, observation.get("heard_age", 0.0), np.inf),
     )
 
 

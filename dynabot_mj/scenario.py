@@ -17,7 +17,7 @@ from pydantic.dataclasses import dataclass
 from controllers import gains, odometry
 from controllers.potential_field import PotentialField, Well, polygon_circumradius
 from controllers.steering import HandPoint, Heading
-from dynabot_mj import scene, schedule, testbed
+from dynabot_mj import control_laws, scene, schedule, testbed
 from dynabot_mj.arrays import Array
 from dynabot_mj.errors import InputError
 from dynabot_mj.perception_options import FilterOptions, FittedError, FittedOptions
@@ -158,6 +158,7 @@ class Scenario:
     # Of the dissipation. auto: the true one for perfect and gauss-markov, else the estimated one, on both plants alike.
     # odometry (wheels and accelerometer) and reference (of the steering law) exist on the rigid plant only.
     velocity: VelocityName = "auto"
+    controller: str = control_laws.BUILT_IN  # or a function of the user's, `my_module:my_law`, see `controllers.law`
     mass: Positive | Literal["auto"] = "auto"  # of a particle [kg]; auto: that of the rigid robot with its payload
     collision_distance: Positive = 0.40  # between two centres, below which they have collided [m]; ours
     field: FieldOptions = FieldOptions()
@@ -275,6 +276,8 @@ def inputs(setup: Scenario) -> dict[str, str]:
     """
     try:
         found = {"model": scene.path(setup.vehicle.model), "gains": gains.path(setup.vehicle.gains)}
+        if (law := control_laws.source(setup.controller)) is not None:
+            found["controller"] = law
     except FileNotFoundError as error:
         raise InputError(str(error)) from error
     return {name: hashlib.sha256(file.read_bytes()).hexdigest()[:16] for name, file in found.items()}

@@ -13,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from controllers import potential_field
-from dynabot_mj import scenario, scene
+from controllers.law import Information
+from dynabot_mj import control_laws, scenario, scene
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.error_statistics import ErrorRecorder, ErrorStatistics
 from dynabot_mj.filter_perception import FilterPerception
@@ -144,6 +145,7 @@ def simulate(
     velocity = _velocity(setup, case, plant)
     radio = Radio(scenario.link(setup, case.estimator), setup.robots, setup.seed, trials)
     field = scenario.field(setup, case.estimator)
+    law = control_laws.build(setup.controller, field)
     scorer = Scorer(make_formation(setup, case, field), LEADER_W, plant.state, duration_ticks * tick)
     recorder = _Recorder(plant.state, recorded, duration_ticks * tick)
     errors = ErrorRecorder(sample_ticks * tick, heading.shape)
@@ -170,13 +172,22 @@ def simulate(
             message = radio.broadcast(belief.position_w, time, sampling & belief.known)
         if acting.any():
             heard = radio.heard(time)
-            command_w = potential_field.total_force(
-                belief.position_w, belief.velocity_w, LEADER_W, heard.position_w, heard.known, field
+            age = time[..., None] - heard.sampled_at
+            command_w = law(
+                Information(
+                    time=now * tick,
+                    position_w=belief.position_w,
+                    velocity_w=belief.velocity_w,
+                    leader_w=LEADER_W,
+                    heard_position_w=heard.position_w,
+                    heard_known=heard.known,
+                    heard_age=age,
+                )
             )
             command_w = np.where(belief.known[..., None], command_w, 0.0)
             force_w = np.where(acting[..., None], command_w, force_w)
             used = heard.known & acting[..., None]
-            age_sum += np.where(used, time[..., None] - heard.sampled_at, 0.0).sum(axis=(1, 2))
+            age_sum += np.where(used, age, 0.0).sum(axis=(1, 2))
             age_count += used.sum(axis=(1, 2))
             scorer.control(state)
         if observer is not None:

@@ -121,6 +121,7 @@ def _dataset(setup: Scenario, by_case: Mapping[Case, list[Outcome]]) -> xr.Datas
         "title": "Formation control under limited computation: point masses and rigid bodies",
         "configuration": configuration.dump(setup),
         "inputs": json.dumps(scenario.inputs(setup)),
+        "controller": setup.controller,
         "versions": versions(),
         "seed": setup.seed,
         "duration": setup.duration,

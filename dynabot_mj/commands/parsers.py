@@ -54,6 +54,9 @@ def science() -> argparse.ArgumentParser:
         help="of the dissipation (default auto: true where the velocity is exact, else estimated); "
         "odometry and reference are of rigid robots only",
     )
+    parser.add_argument(
+        "--controller", metavar="MODULE:FUNCTION", help="a law of yours in place of the potential field"
+    )
     rigid = parser.add_argument_group("rigid robots")
     rigid.add_argument("--model", metavar="FILE.xml", help="another robot's MJCF with the same names")
     rigid.add_argument(

@@ -20,6 +20,7 @@ SCIENCE = (
     "utilisation",
     "headings",
     "velocity",
+    "controller",
     "trials",
     *_VEHICLE,
 )  # they override the TOML

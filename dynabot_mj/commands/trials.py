@@ -117,5 +117,7 @@ def _reproduced(options: argparse.Namespace) -> Any:
         raise InputError(f"trial {number} given, the study has {saved.trial.values[0]} to {saved.trial.values[-1]}")
     setup = configuration.load(saved.attrs["configuration"], str(path))
     if name := changed_input(saved):
-        raise InputError(f"the {name} {getattr(setup.vehicle, name)!r} of {path} has changed since that study")
+        raise InputError(
+            f"the {name} {getattr(setup.vehicle, name, setup.controller)!r} of {path} has changed since that study"
+        )
     return scenario.one_trial(setup, label, number)

@@ -11,7 +11,7 @@ from typing import Any
 
 import xarray as xr
 
-from dynabot_mj import statistics
+from dynabot_mj import control_laws, statistics
 from dynabot_mj.experiments import in_loop, tables
 from dynabot_mj.experiments.in_loop import EstimateError
 from dynabot_mj.experiments.tables import Table
@@ -156,11 +156,15 @@ def table(study: xr.Dataset) -> Table:
     count = f"{trials} trials" if trials > 1 else "1 trial"
     sources = {one.perception or "perfect": one.velocity for one in summary}
     told = ", ".join(f"{source} ({perception})" for perception, source in sources.items())
+    note = f"{_NOTE}\n\nVelocity of the dissipation: {told}."
+    controller = study.attrs.get("controller", control_laws.BUILT_IN)  # older studies do not say
+    if controller != control_laws.BUILT_IN:
+        note += f"\n\nController: {controller}, in place of the paper's potential field; its gains are not used."
     return Table(
         title=f"Formation of {robots} robots, {count} of {study.attrs['duration']:g} s, seed {study.attrs['seed']}",
         header=_header(),
         body=_body(summary, robots),
-        note=f"{_NOTE}\n\nVelocity of the dissipation: {told}.",
+        note=note,
     )
 
 

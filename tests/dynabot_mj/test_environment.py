@@ -1,3 +1,6 @@
+import re
+from pathlib import Path
+
 import dm_env
 import numpy as np
 import pytest
@@ -134,6 +137,35 @@ def test_what_is_heard_is_late_and_wrong_and_never_oneself():
     error = last["heard_position"][others] - np.broadcast_to(true, (3, 3, 2))[others]
     assert 0.01 < np.abs(error).max() < 6.0
     assert 0.01 < np.abs(last["position"] - true).max() < 6.0
+
+
+def test_information_from_what_is_heard():
+    env = environment.load(3, observation="heard", duration=0.5)
+    first, *_, last = (step.observation for step in play(env, lambda seen: np.zeros((3, 2))))
+    assert np.isinf(environment.information(first).heard_age).all()
+    known = environment.information(last)
+    others = ~np.eye(3, dtype=bool)
+    assert known.time == pytest.approx(0.504)
+    np.testing.assert_array_equal(known.position_w, last["position"])
+    np.testing.assert_array_equal(known.heard_age[others], last["heard_age"][others])
+    np.testing.assert_array_equal(known.heard_known, others)
+
+
+def test_information_from_the_truth():
+    known = environment.information(environment.load(3).reset().observation)
+    np.testing.assert_array_equal(known.heard_position_w[0, 1:], known.position_w[1:])
+    np.testing.assert_array_equal(known.heard_known, ~np.eye(3, dtype=bool))
+    assert not known.heard_age[0, 1:].any()
+
+
+def test_the_example_of_the_document_forms(tmp_path, monkeypatch, capsys):
+    text = (Path(__file__).parents[2] / "docs" / "environment.md").read_text(encoding="utf-8")
+    law, driver = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    (tmp_path / "my_module.py").write_text(law)
+    monkeypatch.syspath_prepend(tmp_path)
+    exec(driver, {})
+    found = re.fullmatch(r"reward ([0-9.]+) at [0-9.]+ s\n", capsys.readouterr().out)
+    assert float(found[1]) > 0.7
 
 
 @pytest.fixture

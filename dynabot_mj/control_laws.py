@@ -1,0 +1,82 @@
+"""The law of a study: the potential field, or a function of the user's, `my_module:my_law`, in its place."""
+
+import importlib
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from controllers import potential_field
+from controllers.law import Information, Law
+from controllers.potential_field import PotentialField
+from dynabot_mj.arrays import Array
+from dynabot_mj.errors import InputError
+
+BUILT_IN = "potential-field"
+
+
+def build(name: str, field: PotentialField) -> Law:
+    """Returns the law of a name.
+
+    Args:
+        name: `BUILT_IN`, or a function as `module:function`, which is looked for in the working directory too.
+        field: Of the built-in law. Its limit of the force holds for every law: it is the vehicle's.
+
+    Raises:
+        InputError: If there is no such function; from the law, if what it returns is no force.
+    """
+    if name == BUILT_IN:
+
+        def follow_field(known: Information) -> Array:
+            return potential_field.total_force(
+                known.position_w,
+                known.velocity_w,
+                known.leader_w,
+                known.heard_position_w,
+                known.heard_known,
+                field,
+            )
+
+        return follow_field
+    law = _load(name)
+
+    def follow_user(known: Information) -> Array:
+        force_w = np.asarray(law(known), dtype=float)
+        if force_w.shape != known.position_w.shape:
+            raise InputError(
+                f"controller {name!r} returned an array of shape {force_w.shape}, it must be {known.position_w.shape}: "
+                "a force on each robot of each trial"
+            )
+        if not np.isfinite(force_w).all():
+            raise InputError(f"controller {name!r} returned a force that is not finite at {known.time:g} s")
+        return potential_field.saturate(force_w, field.force_limit)
+
+    return follow_user
+
+
+def source(name: str) -> Path | None:
+    """Returns the file of a law of the user's; None for the built-in one, and where there is no file.
+
+    Raises:
+        InputError: If there is no such function.
+    """
+    if name == BUILT_IN:
+        return None
+    file = getattr(sys.modules[_load(name).__module__], "__file__", None)
+    return Path(file) if file else None
+
+
+def _load(name: str) -> Law:
+    module_name, _, function = name.partition(":")
+    if not module_name or not function:
+        raise InputError(f"controller {name!r} given, it must be {BUILT_IN!r} or my_module:my_law")
+    here = str(Path.cwd())
+    if here not in sys.path:
+        sys.path.insert(0, here)  # commands, and their worker processes, start without it
+    try:
+        law: Law = getattr(importlib.import_module(module_name), function)
+    except (ImportError, AttributeError) as error:
+        raise InputError(f"controller {name!r} given: {error}") from error
+    if not callable(law):
+        raise InputError(f"controller {name!r} given, it must be a function")
+    return law
