@@ -23,12 +23,13 @@ from dynabot_mj.commands import (
     schedule,
     track,
     tune,
+    video,
     view,
 )
 from dynabot_mj.errors import DynabotError, InputError
 
 # In the order of the help.
-_COMMANDS = (compare, run, view, report, circle, estimate, drive, tune, track, schedule, benchmark, doctor)
+_COMMANDS = (compare, run, video, view, report, circle, estimate, drive, tune, track, schedule, benchmark, doctor)
 
 
 class _Parser(argparse.ArgumentParser):

@@ -12,7 +12,8 @@ from dynabot_mj.arrays import Array
 from dynabot_mj.colours import METHOD_COLOURS
 from dynabot_mj.experiments import circle
 from dynabot_mj.experiments.circle import Chunk, Outcome
-from dynabot_mj.figures import METHOD_NAMES, STYLE
+from dynabot_mj.figures import STYLE
+from dynabot_mj.names import METHOD_NAMES
 from estimation.build import NAMES, Name
 from estimation.measurements import rotation, wrap
 
@@ -156,7 +157,7 @@ def _slimness(outcome: Outcome) -> float:
 
 
 def _title(name: Name) -> str:
-    return METHOD_NAMES[name].replace("\n", " ")
+    return METHOD_NAMES[name]
 
 
 def _caption(outcome: Outcome) -> str:

@@ -19,21 +19,9 @@ from dynabot_mj import configuration, scenario, statistics, testbed
 from dynabot_mj.colours import METHOD_COLOURS, PERCEPTION_COLOURS, ROBOT_COLOURS
 from dynabot_mj.experiments import compare
 from dynabot_mj.experiments.compare import Row
+from dynabot_mj.names import METHOD_NAMES, PERCEPTION_NAMES, PLANT_NAMES
 from dynabot_mj.scenario import Scenario
 
-METHOD_NAMES = {
-    "perfect": "perfect\ninformation",
-    "gps": "GPS",
-    "decoupled": "decoupled\nEKF",
-    "coupled": "coupled\nEKF",
-}
-PLANT_NAMES = {"particle": "point masses", "rigid": "rigid bodies"}
-
-PERCEPTION_NAMES = {
-    "gauss-markov": "Gauss-Markov error",
-    "filter": "filters",
-    "fitted": "fitted error",
-}
 _PLANT_ALPHA = {"particle": 0.45, "rigid": 1.0}
 _PERCEPTION_HATCH = {"": "", "gauss-markov": "", "filter": "...", "fitted": "xxx"}
 
@@ -115,7 +103,7 @@ def table_iii(study: xr.Dataset) -> Figure:
             strict=True,
         ):
             axis.set_title(title, fontsize=10.5)
-            axis.set_xticks(range(len(estimators)), [METHOD_NAMES[name] for name in estimators])
+            axis.set_xticks(range(len(estimators)), [METHOD_NAMES[name].replace(" ", "\n") for name in estimators])
             axis.grid(axis="x", visible=False)
             axis.set_ylim(bottom=0.0)
             axis.set_xlim(-0.6, max(len(estimators), 2) - 0.4)
@@ -186,7 +174,7 @@ def errors(study: xr.Dataset) -> Figure | None:
             axis.set_xlim(0.0, 40.0)
             axis.set_xticks([0.0, 0.1, 1.0, 10.0], ["0", "0.1", "1", "10"])
             axis.axhline(0.0, color="#888888", linewidth=0.8)
-            axis.set_title(METHOD_NAMES[estimator].replace("\n", " "))
+            axis.set_title(METHOD_NAMES[estimator])
             axis.set_xlabel("lag [s]")
             axis.legend(fontsize=7.5, loc="upper center", bbox_to_anchor=(0.5, -0.16), handlelength=3.5)
         axes[0, 0].set_ylabel("autocorrelation of the position error")
@@ -233,7 +221,7 @@ def _draw_well(axis: Axes, setup: Scenario, estimator: str) -> None:
 
 def _caption(study: xr.Dataset, setup: Scenario, estimator: str, perception: str) -> str:
     period = float(study.control_period[list(study.estimator.values).index(estimator)])
-    name = METHOD_NAMES[estimator].replace("\n", " ")
+    name = METHOD_NAMES[estimator]
     if perception:
         name += f", {PERCEPTION_NAMES[perception]}"
     return f"{name}, T_c = {1e3 * period:g} ms, trial {setup.first_trial} of seed {setup.seed}"

@@ -15,8 +15,9 @@ from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.colours import METHOD_COLOURS
 from dynabot_mj.experiments import estimate
 from dynabot_mj.experiments.estimate import Replay
-from dynabot_mj.figures import METHOD_NAMES, STYLE
+from dynabot_mj.figures import STYLE
 from dynabot_mj.logs import Log
+from dynabot_mj.names import METHOD_NAMES
 from dynabot_mj.replay import Track
 from estimation.build import Name
 from estimation.measurements import STALE
@@ -52,7 +53,7 @@ def replay(found: Replay) -> Figure:
         )
         for column, (name, track) in enumerate(found.tracks.items()):
             shown = axes[:, column]
-            shown[0].set_title(METHOD_NAMES[name].replace("\n", " "))
+            shown[0].set_title(METHOD_NAMES[name])
             _draw_map(shown[0], log, name, track)
             (_draw_errors if judged else _draw_beliefs)(shown[1:], log, name, track)
             for axis in shown[1:]:

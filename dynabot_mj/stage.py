@@ -36,17 +36,19 @@ class Snapshot:
 class Stage:
     """The model, and its state as of a snapshot."""
 
-    def __init__(self, setup: Scenario, case: Case) -> None:
+    def __init__(self, setup: Scenario, case: Case, *, signs: bool = True) -> None:
         """Composes and compiles the model.
 
         Args:
             setup: The study's configuration.
             case: Point masses are spheres as wide as the distance at which they collide.
+            signs: With the rings and what robots believe, for whoever draws none of it.
         """
-        rigid = case.plant == "rigid"
+        rigid, ghosts = case.plant == "rigid", signs and case.perception is not None
         field = scene.compose(setup.robots if rigid else 0, scenario.conditions(setup))
         well = scenario.field(setup, case.estimator).leader
-        for radius, ring in zip((well.radius, well.radius + well.width), _RING_COLOURS, strict=True):
+        self.rings = tuple(zip((well.radius, well.radius + well.width), _RING_COLOURS, strict=True))  # [m], RGBA
+        for radius, ring in self.rings if signs else ():
             _add_ring(field, radius, ring)
         for robot in range(setup.robots):
             colour = rgb(ROBOT_COLOURS[robot])
@@ -54,14 +56,14 @@ class Stage:
                 _add_ball(field, _point(robot), setup.collision_distance / 2.0, (*colour, 1.0))
             elif paint := field.material(f"{scene.prefix(robot)}paint"):  # another robot's MJCF may have none
                 paint.rgba = [*colour, 1.0]
-            if case.perception is not None:
+            if ghosts:
                 _add_ball(field, _ghost(robot), _GHOST_RADIUS, (*colour, _GHOST_OPACITY))
         self.robots = setup.robots
         self.model = field.compile()
         self.data = mujoco.MjData(self.model)
         self._point_height = setup.collision_distance / 2.0
         self._points = [self._mocap(_point(robot)) for robot in range(setup.robots)] if not rigid else []
-        self._ghosts = [self._mocap(_ghost(robot)) for robot in range(setup.robots)] if case.perception else []
+        self._ghosts = [self._mocap(_ghost(robot)) for robot in range(setup.robots)] if ghosts else []
 
     def place(self, snapshot: Snapshot) -> None:
         """Puts everything where it is in a snapshot."""

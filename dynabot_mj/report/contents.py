@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from dynabot_mj import estimation_figures, figures, recording_figures, study_figures
 from dynabot_mj.experiments import circle_report, compare, in_loop
 from dynabot_mj.experiments.circle import Outcome
-from dynabot_mj.figures import METHOD_NAMES, PERCEPTION_NAMES
+from dynabot_mj.names import METHOD_NAMES, PERCEPTION_NAMES
 from dynabot_mj.recording import Recording
 from dynabot_mj.report import csv_tables, page, svg
 from dynabot_mj.report.page import Section
@@ -201,5 +201,5 @@ def _downloads(tables: Mapping[str, str], *names: str) -> str:
 
 
 def _method(estimator: str, perception: str) -> str:
-    name = METHOD_NAMES[estimator].replace("\n", " ")
+    name = METHOD_NAMES[estimator]
     return f"{name}, {PERCEPTION_NAMES[perception]}" if perception else name

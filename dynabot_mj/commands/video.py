@@ -1,0 +1,179 @@
+"""`dynabot video`."""
+
+import argparse
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+from dynabot_mj.commands import parsers, results, trials
+from dynabot_mj.errors import InputError
+
+_RATES, _SPEEDS = (1.0, 120.0), (0.01, 100.0)
+_SMALLEST, _LARGEST = 160, 3840  # edge of a picture [pixels]
+_SAMPLES = (0, 2, 4, 8)
+_DEFAULTS = {".mp4": ((1280, 720), 30.0), ".gif": ((640, 360), 15.0)}  # size and rate
+
+
+def add(commands: parsers.Commands) -> None:
+    """Registers the command."""
+    from dynabot_mj.video.shot import CAMERAS, OVERLAYS
+
+    command = parsers.command(commands, video, parsers.shared(), parsers.science(), trials.parser())
+    command.add_argument(
+        "--out", type=Path, metavar="FILE", help="an .mp4 (H.264) or a .gif (default out/video/video.mp4)"
+    )
+    picture = command.add_argument_group("the picture")
+    picture.add_argument("--camera", choices=CAMERAS, default="orbit", help="default orbit; orbit and top frame all")
+    picture.add_argument("--follow", type=int, metavar="ROBOT", help="that the camera chase follows (default 1)")
+    picture.add_argument(
+        "--eyes-of", type=int, metavar="ROBOT", help="show where this robot, from 1, believes the others to be"
+    )
+    picture.add_argument("--beside", choices=["particle"], help="the same trial with point masses, in the same scene")
+    picture.add_argument(
+        "--hide", choices=OVERLAYS, nargs="+", default=[], metavar="OVERLAY", help=f"any of {', '.join(OVERLAYS)}"
+    )
+    picture.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (default 1)")
+    picture.add_argument("--rate", type=float, help="frames per second (default 30; of a .gif 15)")
+    picture.add_argument(
+        "--size", type=_size, metavar="WIDTHxHEIGHT", help="in pixels (default 1280x720; of a .gif 640x360)"
+    )
+    picture.add_argument(
+        "--samples", type=int, choices=_SAMPLES, default=0, help="per pixel, against jagged edges; slow (default 0)"
+    )
+    picture.add_argument("--still", type=float, metavar="TIME", help="a .png of this instant [s] instead of a video")
+
+
+def video(options: argparse.Namespace) -> None:
+    """One trial of one case as a video, drawn without a display."""
+    setup = trials.chosen(options)
+    path = _path(options)
+    shot = _shot(options, setup, path)
+    if options.still is not None and not 0.0 <= options.still <= setup.duration:
+        raise InputError(f"--still {options.still:g} given, the trial lasts from 0 to {setup.duration:g} s")
+
+    from dynabot_mj import files, opengl, progress
+    from dynabot_mj.video import take
+
+    opengl.backend()  # said before any work
+    files.require_writable(path.parent)
+    begin = time.monotonic()
+    with progress.shown("simulation") as tell:
+        taken = take.take(setup, shot, options.beside is not None, tell)
+    document = {"file": str(path), "simulation_s": round(time.monotonic() - begin, 3)}
+    if options.still is not None:
+        _still(taken, shot, options.still, path)
+        results.show(options, document, f"{path}: {shot.width}x{shot.height} at {options.still:g} s")
+        return
+    drawing = _film(taken, shot, path)
+    document |= {
+        "width": shot.width,
+        "height": shot.height,
+        "frames": taken.frames,
+        "duration_s": taken.frames / shot.rate,
+        "bytes": path.stat().st_size,
+        "frames_per_second": round(taken.frames / drawing, 1),
+    }
+    text = (
+        f"{path}: {taken.frames / shot.rate:.1f} s of {shot.width}x{shot.height}, {path.stat().st_size / 1e6:.1f} MB; "
+        f"{taken.frames} frames at {taken.frames / drawing:.0f} frames/s"
+    )
+    results.show(options, document, text)
+
+
+def _film(taken: Any, shot: Any, path: Path) -> float:
+    """Draws and encodes all frames, and returns how long that took [s]."""
+    from dynabot_mj import progress
+    from dynabot_mj.video import encoder, film
+
+    begin = time.monotonic()
+    with film.opened(taken, shot) as drawn, progress.shown("video", taken.frames) as tell:
+
+        def pictures() -> Any:
+            for k in range(taken.frames):
+                yield drawn.frame(k)
+                tell((k + 1) / taken.frames)
+
+        encoder.write(path, pictures(), shot.rate)
+    return time.monotonic() - begin
+
+
+def _still(taken: Any, shot: Any, instant: float, path: Path) -> None:
+    """Draws the frame of an instant."""
+    import io
+
+    import imageio.v3 as imageio
+
+    from dynabot_mj import files
+    from dynabot_mj.video import film
+
+    with film.opened(taken, shot) as drawn:
+        picture = drawn.frame(min(taken.frames - 1, round(instant / shot.interval)))
+    content = io.BytesIO()
+    imageio.imwrite(content, picture, extension=".png")
+    files.write(path, content.getvalue())
+
+
+def _path(options: argparse.Namespace) -> Path:
+    """Returns the file that is written.
+
+    Raises:
+        InputError: If its name has no suffix that is understood, or it is a folder.
+    """
+    from dynabot_mj.video.encoder import SUFFIXES
+
+    suffixes = SUFFIXES if options.still is None else (".png",)
+    path: Path = options.out or Path("out/video/video").with_suffix(suffixes[0])
+    if path.suffix not in suffixes or path.is_dir():
+        raise InputError(f"--out {path} given, it must be a file whose name ends with {' or '.join(suffixes)}")
+    return path
+
+
+def _shot(options: argparse.Namespace, setup: Any, path: Path) -> Any:
+    """Returns how it is filmed.
+
+    Raises:
+        InputError: If a value is out of range, or two do not go together.
+    """
+    from dynabot_mj.video.shot import OVERLAYS, Shot
+
+    size, rate = _DEFAULTS.get(path.suffix, _DEFAULTS[".mp4"])
+    size, rate = options.size or size, rate if options.rate is None else options.rate
+    for name, value, (least, most) in (("rate", rate, _RATES), ("speed", options.speed, _SPEEDS)):
+        if not least <= value <= most:  # NaN neither
+            raise InputError(f"--{name} {value:g} given, allowed are {least:g} to {most:g}")
+    if options.follow is not None and options.camera != "chase":
+        raise InputError(f"--follow given with --camera {options.camera}; it is the camera chase that follows a robot")
+    for name in ("follow", "eyes_of"):
+        number = getattr(options, name)
+        if number is not None and not 1 <= number <= setup.robots:
+            raise InputError(f"--{name.replace('_', '-')} {number} given, the robots are 1 to {setup.robots}")
+    if options.beside in setup.plants:
+        raise InputError(f"--beside {options.beside} given, but it is the plant that is shown")
+    if options.eyes_of is not None and "beliefs" in options.hide:
+        raise InputError("--eyes-of given with --hide beliefs, which hides what it shows")
+    if math.ceil(setup.duration / options.speed * rate) < 2:
+        raise InputError(f"--speed {options.speed:g} given, a trial of {setup.duration:g} s is a single frame then")
+    return Shot(
+        width=size[0],
+        height=size[1],
+        rate=rate,
+        speed=options.speed,
+        camera=options.camera,
+        eyes_of=None if options.eyes_of is None else options.eyes_of - 1,
+        follow=(options.follow or 1) - 1,
+        samples=options.samples,
+        overlays=frozenset(OVERLAYS) - frozenset(options.hide),
+    )
+
+
+def _size(text: str) -> tuple[int, int]:
+    try:
+        width, height = (int(part) for part in text.lower().split("x"))
+    except ValueError:
+        width = height = 0
+    if not all(_SMALLEST <= edge <= _LARGEST and edge % 2 == 0 for edge in (width, height)):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} given, it must be e.g. 1280x720: even numbers from {_SMALLEST} to {_LARGEST}"
+        )
+    return width, height

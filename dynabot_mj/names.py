@@ -1,0 +1,14 @@
+"""What readers of figures, films and reports call methods, perceptions and plants."""
+
+METHOD_NAMES = {
+    "perfect": "perfect information",
+    "gps": "GPS",
+    "decoupled": "decoupled EKF",
+    "coupled": "coupled EKF",
+}
+PERCEPTION_NAMES = {
+    "gauss-markov": "Gauss-Markov error",
+    "filter": "filters",
+    "fitted": "fitted error",
+}
+PLANT_NAMES = {"particle": "point masses", "rigid": "rigid bodies"}

@@ -1,0 +1,98 @@
+"""OpenGL without a display: which library draws, a context of it, and what to install where there is none.
+
+Nothing is drawn by studies, so nothing is loaded before a picture is asked for.
+"""
+
+import contextlib
+import ctypes
+import importlib
+import os
+import sys
+from collections.abc import Iterator
+
+from dynabot_mj.errors import DynabotError
+
+BACKENDS = ("egl", "osmesa", "glfw")  # that MUJOCO_GL may name on Linux
+MEND = {
+    "egl": "apt-get install libegl1 libgl1-mesa-dri",
+    "osmesa": "apt-get install libosmesa6",
+    "glfw": "log in to a desktop, or start a virtual one: apt-get install xvfb, then xvfb-run dynabot ...",
+}
+
+_VARIABLE = "MUJOCO_GL"
+_LIBRARIES = {"egl": ("libEGL.so.1", "libEGL.so.0"), "osmesa": ("libOSMesa.so.8", "libOSMesa.so.6")}
+_ELSEWHERE = {"darwin": "cgl", "win32": "glfw"}  # than on Linux: what MuJoCo has there
+
+
+class GraphicsError(DynabotError):
+    """Nothing can be drawn here."""
+
+
+def backend() -> str:
+    """Returns what will draw: what MUJOCO_GL says, else the first that needs no display and is there.
+
+    Raises:
+        GraphicsError: If MUJOCO_GL names none, or there is none.
+    """
+    possible = (*BACKENDS, *_ELSEWHERE.values())
+    if asked := os.environ.get(_VARIABLE, "").lower():
+        if asked not in possible:
+            raise GraphicsError(f"{_VARIABLE}={asked} cannot draw; unset it, or set it to one of {', '.join(BACKENDS)}")
+        return asked
+    if sys.platform in _ELSEWHERE:
+        return _ELSEWHERE[sys.platform]
+    for name, libraries in _LIBRARIES.items():
+        if any(_loads(library) for library in libraries):
+            return name
+    if has_display():
+        return "glfw"
+    raise GraphicsError(f"no OpenGL library to draw with: {MEND['egl']} (or {MEND['osmesa']})")
+
+
+def has_display() -> bool:
+    """Tells whether the environment names a display."""
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def tell_dm_control() -> None:
+    """Sets MUJOCO_GL, which dm_control reads when it is imported, where that changes a failure into a picture.
+
+    That is on Linux without a display, where the user has set nothing and there is a library.
+    """
+    if sys.platform != "linux" or _VARIABLE in os.environ or has_display():
+        return
+    with contextlib.suppress(GraphicsError):
+        os.environ[_VARIABLE] = backend()
+
+
+@contextlib.contextmanager
+def context(width: int, height: int) -> Iterator[None]:
+    """Makes a context of OpenGL current in this thread while the `with` block runs.
+
+    Args:
+        width: Of the largest picture [pixels].
+        height: Likewise.
+
+    Raises:
+        GraphicsError: If that fails.
+    """
+    name = backend()
+    try:
+        opened = importlib.import_module(f"mujoco.{name}").GLContext(width, height)
+        opened.make_current()
+    except Exception as error:  # a broken driver raises whatever its bindings do, from AttributeError to GLError
+        reason = (str(error).strip() or type(error).__name__).splitlines()[0]
+        mend = MEND.get(name, "see `dynabot doctor`")
+        raise GraphicsError(f"OpenGL {name} does not work ({reason}): {mend}") from error
+    try:
+        yield
+    finally:
+        opened.free()
+
+
+def _loads(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True

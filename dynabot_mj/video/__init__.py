@@ -1,0 +1,1 @@
+"""A film of one trial, drawn offscreen and encoded frame by frame."""

@@ -1,0 +1,122 @@
+"""Where the camera is: pictures that hold all robots, from a distance computed from where the robots are."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from dynabot_mj.arrays import Array
+from dynabot_mj.video.shot import Shot
+
+_MARGIN = 1.12  # of a frame around what it has to hold
+_NEAREST = 5.0  # distance of a camera that holds all [m]
+_ELEVATION = -27.0  # of an orbit [deg]
+# Azimuth of an orbit at first [deg], and what it turns by [deg] per second of film: robots start left of the leader, and
+# the way between fills the width of the picture.
+_START, _REVOLUTION = 78.0, 1.5
+_CHASE_DISTANCE, _CHASE_ELEVATION, _CHASE_AHEAD = 3.2, -18.0, 0.6  # [m], [deg]; before the robot [m]
+_CHASE_LAG = 0.8  # by which the camera's azimuth follows the robot's heading [s of film]
+
+
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """A camera as MuJoCo's free camera has it, and its lens."""
+
+    lookat_w: Array  # (3,) in the picture's middle [m]
+    distance: float  # from there [m]
+    azimuth: float  # [deg]
+    elevation: float  # [deg]; negative: from above
+    slope_x: float  # half the picture's width at a distance of 1
+    slope_y: float
+
+    def project(self, points_w: Array) -> tuple[Array, Array]:
+        """Returns where points (..., 3) [m] are in the picture.
+
+        Returns:
+            Right and up, (..., 2), each from -1 to 1 within the picture, and their depths, (...) [m].
+        """
+        right, up, forward = _axes(self.azimuth, self.elevation)
+        offset = points_w - self.lookat_w
+        depth = offset @ forward + self.distance
+        return np.stack([offset @ right / self.slope_x, offset @ up / self.slope_y], axis=-1) / depth[..., None], depth
+
+
+def lens(shot: Shot, fovy: float) -> tuple[float, float]:
+    """Returns half the width and half the height of the picture at a distance of 1; `fovy` is vertical [deg]."""
+    slope = math.tan(math.radians(fovy) / 2.0)
+    return slope * shot.width / shot.scene_height, slope
+
+
+def framing(points_w: Array, azimuth: float, elevation: float, slopes: tuple[float, float]) -> View:
+    """Returns the nearest view from a direction that holds all points, (P, 3) [m], with a margin around them."""
+    right, up, forward = _axes(azimuth, elevation)
+    ahead = np.array([math.cos(math.radians(azimuth)), math.sin(math.radians(azimuth)), 0.0])
+    middle = [0.5 * (float((points_w @ axis).min()) + float((points_w @ axis).max())) for axis in (right, ahead)]
+    lookat_w = middle[0] * right + middle[1] * ahead
+    offset = points_w - lookat_w
+    # A point is within the picture where |offset along an axis| <= slope * depth, with depth = distance + offset ahead.
+    needed = [_MARGIN * np.abs(offset @ axis) / slope for axis, slope in zip((right, up), slopes, strict=True)]
+    distance = max(_NEAREST, float((np.maximum(*needed) - offset @ forward).max()))
+    return View(
+        lookat_w=lookat_w,
+        distance=distance,
+        azimuth=azimuth,
+        elevation=elevation,
+        slope_x=slopes[0],
+        slope_y=slopes[1],
+    )
+
+
+def chase(position_w: Array, azimuth: float, slopes: tuple[float, float]) -> View:
+    """Returns the view from behind a robot, (2,) [m], that looks along an azimuth [deg]."""
+    angle = math.radians(azimuth)
+    ahead = position_w + _CHASE_AHEAD * np.array([math.cos(angle), math.sin(angle)])
+    return View(
+        lookat_w=np.array([*ahead, 0.2]),
+        distance=_CHASE_DISTANCE,
+        azimuth=azimuth,
+        elevation=_CHASE_ELEVATION,
+        slope_x=slopes[0],
+        slope_y=slopes[1],
+    )
+
+
+def views(shot: Shot, fovy: float, held_w: Array, position_w: Array, heading: Array) -> list[View]:
+    """Returns a view for each of K frames.
+
+    Args:
+        shot: Which camera.
+        fovy: Vertical field of view [deg].
+        held_w: What the picture has to hold, (K, P, 3) [m]; the camera `chase` does not care.
+        position_w: Of the robots, (K, n, 2) [m].
+        heading: Of the robots, (K, n), not wrapped [rad].
+    """
+    slopes = lens(shot, fovy)
+    match shot.camera:
+        case "top":
+            return [framing(points_w, 90.0, -90.0, slopes) for points_w in held_w]
+        case "orbit":
+            turn = _REVOLUTION / shot.rate
+            return [framing(points_w, _START + turn * k, _ELEVATION, slopes) for k, points_w in enumerate(held_w)]
+        case "chase":
+            azimuths = np.degrees(_followed(heading[:, shot.follow], 1.0 / (shot.rate * _CHASE_LAG)))
+            followed_w = position_w[:, shot.follow]
+            return [chase(place, float(azimuth), slopes) for place, azimuth in zip(followed_w, azimuths, strict=True)]
+
+
+def _followed(values: Array, share: float) -> Array:
+    """Returns values, (K,), that follow the given ones by a share of what is between them in each step."""
+    followed = np.empty_like(values)
+    current = float(values[0])
+    for k, value in enumerate(values):
+        current += min(1.0, share) * (float(value) - current)
+        followed[k] = current
+    return followed
+
+
+def _axes(azimuth: float, elevation: float) -> tuple[Array, Array, Array]:
+    """Returns the directions to the right of, up in and into the picture, (3,) each."""
+    a, e = math.radians(azimuth), math.radians(elevation)
+    forward = np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
+    right = np.array([math.sin(a), -math.cos(a), 0.0])
+    return right, np.cross(right, forward), forward
