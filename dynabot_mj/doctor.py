@@ -16,11 +16,11 @@ from importlib import metadata
 from typing import Any
 
 from dynabot_mj.experiments.tables import aligned
+from dynabot_mj.opengl import BACKENDS, MEND, has_display
 
-BACKENDS = ("egl", "osmesa", "glfw")
 _LONGEST = 120.0  # that a check may take [s]
 _WIDEST = 90  # complaint of a process in the table
-_EXTRAS = {"view": "viser", "cluster": "distributed"}  # and a module of each
+_EXTRAS = {"view": "mjviser", "cluster": "distributed"}  # and a module of each
 
 _FRAME = """
 import mujoco
@@ -49,12 +49,6 @@ source = ["-f", "lavfi", "-i", "color=size=64x48:duration=0.1"]
 subprocess.run([encoder, "-v", "error", *source, "-c:v", "libx264", "-f", "null", "-"], check=True)
 print(imageio_ffmpeg.get_ffmpeg_version())
 """
-
-_MEND_BACKEND = {
-    "egl": "apt-get install libegl1 libgl1-mesa-dri",
-    "osmesa": "apt-get install libosmesa6",
-    "glfw": "log in to a desktop, or start a virtual one: apt-get install xvfb, then xvfb-run dynabot ...",
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,13 +104,13 @@ def _backend(name: str) -> Check:
     drawn = done.returncode == 0 and done.stdout.strip() == "drawn"
     if done.returncode == 0:
         found = "a frame drawn" if drawn else "a blank frame"
-    elif name == "glfw" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+    elif name == "glfw" and not has_display():
         found = "no display"
     elif "'NoneType' object has no attribute" in done.stderr:  # as PyOpenGL puts it
         found = "no library, or no driver"
     else:
         found = _reason(done)
-    return Check(name=f"OpenGL {name}", ok=drawn, found=found, needed=False, mend=_MEND_BACKEND[name])
+    return Check(name=f"OpenGL {name}", ok=drawn, found=found, needed=False, mend=MEND[name])
 
 
 def _graphics(backends: Sequence[Check]) -> Check:
@@ -124,10 +118,10 @@ def _graphics(backends: Sequence[Check]) -> Check:
     name, asked = "drawing without a display", os.environ.get("MUJOCO_GL")
     working = [backend for backend, check in zip(BACKENDS, backends, strict=True) if check.ok]
     if asked:
-        mend = f"unset MUJOCO_GL, or set it to {working[0]}" if working else _MEND_BACKEND["egl"]
+        mend = f"unset MUJOCO_GL, or set it to {working[0]}" if working else MEND["egl"]
         return Check(name=name, ok=asked in working, found=f"MUJOCO_GL={asked}", needed=True, mend=mend)
     found = working[0] if working else "no OpenGL back end"
-    return Check(name=name, ok=bool(working), found=found, needed=True, mend=_MEND_BACKEND["egl"])
+    return Check(name=name, ok=bool(working), found=found, needed=True, mend=MEND["egl"])
 
 
 def _encoder() -> Check:

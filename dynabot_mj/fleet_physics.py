@@ -1,14 +1,16 @@
 """The rigid robots behind dm_control's `Physics`: read as a `FleetState`, driven by local laws or directly."""
 
 import numpy as np
-from dm_control import mujoco
 
-from dynabot_mj import scenario, scene
+from dynabot_mj import opengl, scenario, scene
 from dynabot_mj.arrays import Array
 from dynabot_mj.plants import LOOK_PERIOD, FleetState, free_joint
 from dynabot_mj.plants.local_laws import Drivers
 from dynabot_mj.plants.rigid_body import divided
 from dynabot_mj.scenario import Scenario
+
+with opengl.for_dm_control():
+    from dm_control import mujoco
 
 _NOTHING_FELT = np.zeros((1, 1, 2))  # of accelerometers, on which the local laws do not run here
 

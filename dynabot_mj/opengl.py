@@ -8,6 +8,7 @@ import ctypes
 import importlib
 import os
 import sys
+import warnings
 from collections.abc import Iterator
 
 from dynabot_mj.errors import DynabotError
@@ -54,15 +55,23 @@ def has_display() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def tell_dm_control() -> None:
-    """Sets MUJOCO_GL, which dm_control reads when it is imported, where that changes a failure into a picture.
+@contextlib.contextmanager
+def for_dm_control() -> Iterator[None]:
+    """Lets dm_control, which decides on what draws when it is imported, find what needs no display.
 
-    That is on Linux without a display, where the user has set nothing and there is a library.
+    For that it sets MUJOCO_GL on Linux without a display, where the user has set nothing and there is a library. Where
+    there is none, dm_control's complaint about the missing display is not heard: nobody has asked for a picture yet.
     """
     if sys.platform != "linux" or _VARIABLE in os.environ or has_display():
+        yield
         return
-    with contextlib.suppress(GraphicsError):
-        os.environ[_VARIABLE] = backend()
+    with contextlib.suppress(Exception):  # a broken driver raises anything; then there is nothing to set
+        name = backend()
+        importlib.import_module(f"mujoco.{name}")  # without it, dm_control's context draws nothing
+        os.environ[_VARIABLE] = name
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
 
 
 @contextlib.contextmanager

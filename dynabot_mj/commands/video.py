@@ -88,13 +88,7 @@ def _film(taken: Any, shot: Any, path: Path) -> float:
 
     begin = time.monotonic()
     with film.opened(taken, shot) as drawn, progress.shown("video", taken.frames) as tell:
-
-        def pictures() -> Any:
-            for k in range(taken.frames):
-                yield drawn.frame(k)
-                tell((k + 1) / taken.frames)
-
-        encoder.write(path, pictures(), shot.rate)
+        encoder.write(path, drawn.frames(tell), shot.rate)
     return time.monotonic() - begin
 
 

@@ -1,10 +1,10 @@
 """`dynabot view`."""
 
 import argparse
-import os
 import sys
 from typing import Any
 
+from dynabot_mj import opengl
 from dynabot_mj.commands import parsers, trials
 from dynabot_mj.errors import DynabotError, InputError
 
@@ -75,7 +75,7 @@ def _has_display() -> bool:
     """Tells whether a window can be opened here; on macOS that would take MuJoCo's own interpreter, `mjpython`."""
     if sys.platform == "darwin":
         return False
-    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+    if sys.platform == "linux" and not opengl.has_display():
         return False
     from dynabot_mj.view import display_answers  # imports libraries that a machine without a display may lack
 

@@ -1,18 +1,26 @@
 """What a report needs beside the study: its first trial again, frame by frame, a film of it, and the tether."""
 
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from dynabot_mj import configuration, recording, scenario
+from dynabot_mj import configuration, opengl, recording, scenario
 from dynabot_mj.experiments import circle
+from dynabot_mj.names import METHOD_NAMES, PERCEPTION_NAMES
+from dynabot_mj.opengl import GraphicsError
 from dynabot_mj.recording import Recording
 from dynabot_mj.report.contents import Material
 from dynabot_mj.simulation import TRAJECTORY_INTERVAL
+from dynabot_mj.video import encoder, film, take
+from dynabot_mj.video.shot import Shot
 
 _CIRCLE_RUNS = 20
+_SHOT = Shot(width=640, height=360, rate=20.0, speed=4.0, samples=4)  # smooth edges also make a smaller file
+_FILMED = "decoupled"
 _ALIKE = 1e-6  # between the path that a study kept and the one of today's recording [m]
 
 Progress = Callable[[float], None]
@@ -77,4 +85,21 @@ def _clip(recordings: Sequence[Recording], progress: Progress) -> tuple[bytes | 
     Returns:
         An mp4 file and what it shows, or None and why there is none.
     """
-    return None, "There is no film."
+    rigid = [one for one in recordings if one.case.plant == "rigid"]
+    if not rigid:
+        return None, "There is no film: it shows rigid robots, and the study has none that can be run again."
+    chosen = next((one for one in rigid if one.case.estimator == _FILMED), rigid[0])
+    try:
+        opengl.backend()
+        taken = take.take(chosen.setup, _SHOT, beside=False, progress=lambda share: progress(0.2 * share))
+        with film.opened(taken, _SHOT) as drawn, tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "film.mp4"
+            encoder.write(path, drawn.frames(lambda share: progress(0.2 + 0.8 * share)), _SHOT.rate)
+            content = path.read_bytes()
+    except GraphicsError as error:
+        return None, f"There is no film: {error}."
+    parts = [METHOD_NAMES[chosen.case.estimator]]
+    if chosen.case.perception:
+        parts.append(PERCEPTION_NAMES[chosen.case.perception])
+    shown = f"Trial {chosen.trial}, {', '.join(parts)}, {_SHOT.speed:g} times as fast."
+    return content, f"{shown} Translucent: where each robot believes to be, and one standard deviation around it."

@@ -9,10 +9,11 @@ from dynabot_mj.arrays import Array
 from dynabot_mj.video.shot import Shot
 
 _MARGIN = 1.12  # of a frame around what it has to hold
+_CENTRINGS = 4  # rounds; more move nothing by as much as a pixel
 _NEAREST = 5.0  # distance of a camera that holds all [m]
 _ELEVATION = -27.0  # of an orbit [deg]
-# Azimuth of an orbit at first [deg], and what it turns by [deg] per second of film: robots start left of the leader, and
-# the way between fills the width of the picture.
+# Azimuth of an orbit at first [deg], and what it turns by [deg] per second of film. Robots start left of the
+# leader: the way between them fills the width of the picture.
 _START, _REVOLUTION = 78.0, 1.5
 _CHASE_DISTANCE, _CHASE_ELEVATION, _CHASE_AHEAD = 3.2, -18.0, 0.6  # [m], [deg]; before the robot [m]
 _CHASE_LAG = 0.8  # by which the camera's azimuth follows the robot's heading [s of film]
@@ -51,12 +52,18 @@ def framing(points_w: Array, azimuth: float, elevation: float, slopes: tuple[flo
     """Returns the nearest view from a direction that holds all points, (P, 3) [m], with a margin around them."""
     right, up, forward = _axes(azimuth, elevation)
     ahead = np.array([math.cos(math.radians(azimuth)), math.sin(math.radians(azimuth)), 0.0])
-    middle = [0.5 * (float((points_w @ axis).min()) + float((points_w @ axis).max())) for axis in (right, ahead)]
-    lookat_w = middle[0] * right + middle[1] * ahead
-    offset = points_w - lookat_w
-    # A point is within the picture where |offset along an axis| <= slope * depth, with depth = distance + offset ahead.
-    needed = [_MARGIN * np.abs(offset @ axis) / slope for axis, slope in zip((right, up), slopes, strict=True)]
-    distance = max(_NEAREST, float((np.maximum(*needed) - offset @ forward).max()))
+    lookat_w, distance = np.zeros(3), 0.0
+    for _ in range(_CENTRINGS):  # what is near is larger, so the middle of the ground is not that of the picture
+        offset = points_w - lookat_w
+        depth = offset @ forward + distance
+        scale = distance / depth if distance else np.ones(len(points_w))
+        for axis, shift, tilt in ((right, right, 1.0), (up, ahead, float(up @ ahead))):
+            seen = (offset @ axis) * scale
+            lookat_w = lookat_w + (0.5 * (float(seen.min()) + float(seen.max())) / tilt) * shift
+        offset = points_w - lookat_w
+        # A point is in the picture where |offset along an axis| <= slope * depth, depth = distance + offset forward.
+        needed = [_MARGIN * np.abs(offset @ axis) / slope for axis, slope in zip((right, up), slopes, strict=True)]
+        distance = max(_NEAREST, float((np.maximum(*needed) - offset @ forward).max()))
     return View(
         lookat_w=lookat_w,
         distance=distance,

@@ -7,6 +7,8 @@ import mujoco
 import numpy as np
 
 from dynabot_mj import opengl
+from dynabot_mj.arrays import Array
+from dynabot_mj.simulation import Progress
 from dynabot_mj.stage import Stage
 from dynabot_mj.video import camera
 from dynabot_mj.video.overlays import Overlays, halo_radius
@@ -69,6 +71,12 @@ class Film:
             picture[self.shot.scene_height :] = self._strip.draw(k)
         return picture
 
+    def frames(self, progress: Progress = lambda share: None) -> Iterator[Picture]:
+        """Yields all frames, one drawn after the other has been taken."""
+        for k in range(self.take.frames):
+            yield self.frame(k)
+            progress((k + 1) / self.take.frames)
+
     def free(self) -> None:
         """Frees what OpenGL holds."""
         self._context.free()
@@ -89,7 +97,7 @@ def opened(what: Take, shot: Shot) -> Iterator[Film]:
             film.free()
 
 
-def _held(what: Take, ring: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def _held(what: Take, ring: float) -> Array:
     """Returns what a picture of all has to hold, (K, P, 3) [m]: robots, point masses beside, and the outer ring."""
     angle = 2.0 * np.pi * np.arange(_RING_CORNERS) / _RING_CORNERS
     corners = ring * np.stack([np.cos(angle), np.sin(angle)], axis=-1)

@@ -123,7 +123,12 @@ class Numbers:
         self._badges = [_badge(robot, max(16, 2 * round(height / 64))) for robot in range(robots)]
 
     def draw(self, picture: Picture, places: Array) -> None:
-        """Puts numbers into a picture, (H, W, 3), above the places, (n, 2), right and up from -1 to 1; NaN: not in it."""
+        """Puts numbers into a picture.
+
+        Args:
+            picture: (H, W, 3).
+            places: Above which they stand, (n, 2), right and up from -1 to 1; NaN: not in the picture.
+        """
         height, width, _ = picture.shape
         for badge, (right, up) in zip(self._badges, places, strict=True):
             if not (abs(right) < 1.0 and abs(up) < 1.0):

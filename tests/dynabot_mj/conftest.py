@@ -44,3 +44,13 @@ def dynabot(command):
         return subprocess.run(line, capture_output=True, text=True, timeout=300, cwd=cwd, check=False)
 
     return run
+
+
+@pytest.fixture
+def without_graphics(monkeypatch, tmp_path):
+    """No OpenGL library can be loaded, and there is no display."""
+    for library in ("libEGL.so", "libEGL.so.0", "libEGL.so.1", "libOSMesa.so", "libOSMesa.so.8", "libGL.so.1"):
+        (tmp_path / library).touch()
+    monkeypatch.setenv("LD_LIBRARY_PATH", str(tmp_path))
+    for variable in ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL"):
+        monkeypatch.delenv(variable, raising=False)
