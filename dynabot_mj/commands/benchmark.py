@@ -7,20 +7,20 @@ from typing import Any
 from dynabot_mj.commands import parsers, results
 from dynabot_mj.errors import InputError
 
-_SIZES = {"filters": (300, 40), "environment": (3, 5)}  # robots, repetitions
+_SIZES = {"filters": (300, 40), "environment": (3, 5), "video": (3, 90)}  # robots, repetitions
 
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
     command = parsers.command(commands, benchmark, parsers.shared())
-    command.add_argument("subject", choices=list(_SIZES), help="the three estimators; the dm_env environment")
-    command.add_argument("--robots", type=int, help="in a batch (default 300); in an environment (default 3)")
-    command.add_argument("--repetitions", type=int, help="of each time (default 40; of the environment 5)")
+    command.add_argument("subject", choices=list(_SIZES), help="the estimators; the dm_env environment; films")
+    command.add_argument("--robots", type=int, help="in a batch (default 300); in an environment or film (default 3)")
+    command.add_argument("--repetitions", type=int, help="of each time (default 40; environment 5; film 90 pictures)")
     parsers.add_out(command, "out/benchmark")
 
 
 def benchmark(options: argparse.Namespace) -> None:
-    """What the estimators cost, in time and floating-point operations; or the environment, against mj_step alone."""
+    """What the estimators cost, in time and operations; the environment, against mj_step alone; or films."""
     from dynabot_mj import progress
 
     for name, default in zip(("robots", "repetitions"), _SIZES[options.subject], strict=True):
@@ -49,4 +49,11 @@ def _environment(robots: int, repetitions: int, tell: Callable[[float], None]) -
     return experiment.document(rows, robots, repetitions), experiment.markdown(rows, robots, repetitions)
 
 
-_MEASURES = {"filters": _filters, "environment": _environment}
+def _video(robots: int, repetitions: int, tell: Callable[[float], None]) -> tuple[Any, str]:
+    from dynabot_mj.video import benchmark as experiment
+
+    rows = experiment.run(robots, repetitions, tell)
+    return experiment.document(rows, robots, repetitions), experiment.markdown(rows, robots, repetitions)
+
+
+_MEASURES = {"filters": _filters, "environment": _environment, "video": _video}

@@ -3,9 +3,12 @@ import json
 
 import pytest
 
+from dynabot_mj import opengl
 from dynabot_mj.commands import benchmark
 from dynabot_mj.errors import InputError
 from dynabot_mj.experiments import benchmark_environment
+from dynabot_mj.video import benchmark as benchmark_video
+from dynabot_mj.video.shot import OVERLAYS
 
 
 def run(*arguments):
@@ -35,3 +38,17 @@ def test_there_must_be_something_to_measure(option, tmp_path):
     with pytest.raises(InputError, match=f"{option} 0 given, it must be at least 1"):
         run("filters", option, "0", "--out", str(tmp_path / "a"))
     assert not (tmp_path / "a").exists()
+
+
+def test_a_film_is_drawn_in_two_sizes_with_and_without_each_overlay(tmp_path, capsys, monkeypatch):
+    try:
+        opengl.backend()
+    except opengl.GraphicsError as error:
+        pytest.skip(str(error))
+    monkeypatch.setattr(benchmark_video, "_DURATION", 2.0)
+    run("video", "--repetitions", "3", "--json", "--out", str(tmp_path / "a"))
+    rows = json.loads(capsys.readouterr().out)["video"]["rows"]
+    assert [(row["width"], row["height"]) for row in rows] == [(1280, 720), (640, 480)]
+    for row in rows:
+        assert min(row["frames_per_second"], row["bare_per_second"], row["encoded_per_second"]) > 0.0
+        assert set(row["overlays_ms"]) == set(OVERLAYS)
