@@ -68,9 +68,9 @@ class Overlays:
         self._take, self._shot = what, shot
         one = what.recording
         vehicle = scene.read_robot(scenario.conditions(one.setup)).vehicle
-        rigid = one.case.plant == "rigid"
-        radius = one.setup.collision_distance / 2.0
-        self._hull = (vehicle.length / 2.0, vehicle.breadth / 2.0) if rigid else (radius, radius)
+        self._hull = (vehicle.length / 2.0, vehicle.breadth / 2.0)
+        self._radius = one.setup.collision_distance / 2.0  # of a point mass
+        self._rigid = one.case.plant == "rigid"
         limit = scenario.field(one.setup, one.case.estimator).force_limit
         self._full_force = limit if math.isfinite(limit) else _FORCE_SCALE
         angle = 2.0 * np.pi * np.arange(_RING_POINTS + 1) / _RING_POINTS
@@ -97,7 +97,7 @@ class Overlays:
     def _ground(self, now: _Moment) -> None:
         """Draws grid, rings, and shadows, which a shadow map would render with stripes all over such a ground."""
         count = int(_GRID_REACH / _GRID)
-        # Around the leader, but where the robots are: what is behind the horizon costs as well.
+        # Around what is looked at: lines that are too far to be seen cost time as well.
         middle = _GRID * np.round(now.view.lookat_w[:2] / _GRID)
         for line in _GRID * np.arange(-count, count + 1):
             ends = np.array([[-_GRID_REACH, line], [_GRID_REACH, line]])
@@ -109,8 +109,11 @@ class Overlays:
         now.pencil.disc(now.lifted(LEADER_W + _SUN, 0.6), _LEADER_RADIUS, (0, 0, 0, sum(x for _, x in _SHADOWS)))
         for place, heading in zip(one.position_w[now.k], one.heading[now.k], strict=True):
             for size, opacity in _SHADOWS:
-                centre = now.lifted(place + _SUN, 0.6)
-                now.pencil.box(centre, (size * self._hull[0], size * self._hull[1], 1e-3), heading, (0, 0, 0, opacity))
+                centre, colour = now.lifted(place + _SUN, 0.6), (0, 0, 0, opacity)
+                if self._rigid:
+                    now.pencil.box(centre, (size * self._hull[0], size * self._hull[1], 1e-3), heading, colour)
+                else:
+                    now.pencil.disc(centre, size * self._radius, colour)
 
     def _trails(self, now: _Moment) -> None:
         for robot, points in enumerate(stage.trail(self._take.snapshots, now.k)):
@@ -132,7 +135,7 @@ class Overlays:
                 for size in (1.25, 1.4, 1.55):
                     now.pencil.ellipse(centre, size * halo * np.eye(2), LOST_COLOUR, 3.0)
         if self._take.beside is not None:
-            radius = max(one.setup.collision_distance / 2.0, 0.5 * _HALO * now.view.distance)
+            radius = max(self._radius, 0.5 * _HALO * now.view.distance)
             for robot, place in enumerate(self._take.beside.position_w[now.k]):
                 now.pencil.ball(np.array([*place, radius]), radius, (*self._colours[robot][:3], 0.7))
 
@@ -155,10 +158,13 @@ class Overlays:
                     now.pencil.path(now.lifted(ends, 1.6), self._colours[robot], 1.0)
 
     def _ghost(self, now: _Moment, robot: int, place_w: Array) -> None:
-        """Draws a translucent hull; its heading is the true one, since only a position is believed."""
-        heading = self._take.recording.heading[now.k, robot]
+        """Draws a translucent robot; its heading is the true one, since only a position is believed."""
         colour = (*self._colours[robot][:3], _GHOST_OPACITY)
-        now.pencil.box(np.array([*place_w, 0.09]), (*self._hull, 0.07), heading, colour)
+        if self._rigid:
+            heading = self._take.recording.heading[now.k, robot]
+            now.pencil.box(np.array([*place_w, 0.09]), (*self._hull, 0.07), heading, colour)
+        else:
+            now.pencil.ball(np.array([*place_w, self._radius]), self._radius, colour)
 
     def _forces(self, now: _Moment) -> None:
         """Draws commands as arrows: the largest allowed one is a tenth of the camera's distance long."""

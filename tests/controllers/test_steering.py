@@ -6,6 +6,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from controllers import axes
 from controllers.steering import HandPoint, Heading, Reference, rest, steer
 
 SHARED = {
@@ -31,7 +32,7 @@ def step(before, force, heading=0.0, speed=0.0, gains=HAND_POINT):
     return steer(
         before,
         np.array(force, float),
-        np.array(heading, float),
+        axes.of_heading(np.array(heading, float)),
         np.array(speed, float),
         mass=MASS,
         period=PERIOD,
@@ -229,7 +230,7 @@ def test_the_lag_is_bounded_and_forgotten():
         now, _ = step(now, [40.0, 0.0])
     assert np.linalg.norm(now.lag_w) == pytest.approx(HAND_POINT.farthest)
     # Without force, at the reference's own speed (none), nothing is added.
-    now = replace(now, velocity_w=np.zeros(2))
+    now = now._replace(velocity_w=np.zeros(2))
     for _ in range(100):
         now, _ = step(now, [0.0, 0.0])
     assert now.lag_w[0] == pytest.approx(HAND_POINT.farthest * math.exp(-HAND_POINT.forget * 100 * PERIOD))
@@ -243,10 +244,11 @@ def test_no_memory_means_no_lag():
 @LAWS
 def test_robots_in_an_array_are_what_each_is_alone(gains):
     random = np.random.default_rng(3)
-    velocity, lag, force = (random.uniform(-1.0, 1.0, (2, 3, 2)) for _ in range(3))
+    velocity, lag, force = (random.uniform(-1.0, 1.0, (2, 2, 3)) for _ in range(3))  # components first
     heading, speed = random.uniform(-3.0, 3.0, (2, 3)), random.uniform(-2.0, 2.0, (2, 3))
     together, motions = step(Reference(velocity_w=velocity, lag_w=lag), 30.0 * force, heading, speed, gains)
     for at in np.ndindex(2, 3):
-        alone, motion = step(reference(velocity[at], lag[at]), 30.0 * force[at], heading[at], speed[at], gains)
-        np.testing.assert_allclose(together.lag_w[at], alone.lag_w, atol=1e-15)
+        one = (..., *at)
+        alone, motion = step(reference(velocity[one], lag[one]), 30.0 * force[one], heading[at], speed[at], gains)
+        np.testing.assert_allclose(together.lag_w[one], alone.lag_w, atol=1e-15)
         assert motions.yaw_rate[at] == pytest.approx(float(motion.yaw_rate), abs=1e-14)

@@ -4,7 +4,7 @@ import casadi
 import numpy as np
 import pytest
 
-from controllers import gains, steering, traction, tuning
+from controllers import axes, gains, steering, traction, tuning
 from controllers.steering import Motion, Reference
 from controllers.tuning import BOUNDS, Problem
 
@@ -72,7 +72,7 @@ def test_the_symbolic_steering_law_is_the_numeric_one(first, vehicle, law, limit
         after, motion = steering.steer(
             Reference(velocity_w=v, lag_w=lag),
             force,
-            np.array(heading),
+            axes.of_heading(np.array(heading)),
             np.array(speed),
             mass=vehicle.mass,
             period=PERIOD,
@@ -97,7 +97,7 @@ def test_the_symbolic_lag_has_the_same_bound(first, vehicle, law):
     after, _ = steering.steer(
         Reference(velocity_w=v, lag_w=lag),
         force,
-        np.array(0.2),
+        axes.of_heading(np.array(0.2)),
         np.array(0.0),
         mass=vehicle.mass,
         period=PERIOD,

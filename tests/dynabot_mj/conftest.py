@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from dynabot_mj import configuration, study
+from dynabot_mj import configuration, opengl, study
 
 
 @pytest.fixture(scope="session")
@@ -54,3 +54,13 @@ def without_graphics(monkeypatch, tmp_path):
     monkeypatch.setenv("LD_LIBRARY_PATH", str(tmp_path))
     for variable in ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL"):
         monkeypatch.delenv(variable, raising=False)
+
+
+@pytest.fixture(scope="session")
+def graphics():
+    """Skips what needs a picture where none can be drawn."""
+    try:
+        with opengl.context(64, 48):
+            return
+    except opengl.GraphicsError as error:
+        pytest.skip(str(error))

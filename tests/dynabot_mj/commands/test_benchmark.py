@@ -3,7 +3,6 @@ import json
 
 import pytest
 
-from dynabot_mj import opengl
 from dynabot_mj.commands import benchmark
 from dynabot_mj.errors import InputError
 from dynabot_mj.experiments import benchmark_environment
@@ -40,11 +39,8 @@ def test_there_must_be_something_to_measure(option, tmp_path):
     assert not (tmp_path / "a").exists()
 
 
+@pytest.mark.usefixtures("graphics")
 def test_a_film_is_drawn_in_two_sizes_with_and_without_each_overlay(tmp_path, capsys, monkeypatch):
-    try:
-        opengl.backend()
-    except opengl.GraphicsError as error:
-        pytest.skip(str(error))
     monkeypatch.setattr(benchmark_video, "_DURATION", 2.0)
     run("video", "--repetitions", "3", "--json", "--out", str(tmp_path / "a"))
     rows = json.loads(capsys.readouterr().out)["video"]["rows"]

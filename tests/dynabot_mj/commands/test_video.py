@@ -11,22 +11,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from dynabot_mj import opengl, study
+from dynabot_mj import study
 from dynabot_mj.colours import ROBOT_COLOURS, rgb
 
 SMALL = ["--size", "480x272", "--rate", "10"]
 
 # imageio leaves the pipes of its reader open.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+drawn = pytest.mark.usefixtures("graphics")
 
 
-@pytest.fixture(scope="module", autouse=True)
-def graphics():
-    try:
-        with opengl.context(64, 48):
-            pass
-    except opengl.GraphicsError as error:
-        pytest.skip(str(error))
+@pytest.fixture(autouse=True)
+def pipes_are_collected_here():
     yield
     gc.collect()
 
@@ -36,6 +32,7 @@ def coloured(frame, robot):
     return int((np.abs(frame - 255.0 * np.array(rgb(ROBOT_COLOURS[robot]))).max(axis=-1) < 40).sum())
 
 
+@drawn
 def test_a_video_is_as_long_as_its_trial_and_robots_move_and_trails_grow(dynabot, tmp_path):
     path = tmp_path / "new" / "f.mp4"
     what = ["--plant", "rigid", "--estimator", "decoupled", "--duration", "5"]
@@ -57,6 +54,7 @@ def test_a_video_is_as_long_as_its_trial_and_robots_move_and_trails_grow(dynabot
     assert [file.name for file in path.parent.iterdir()] == ["f.mp4"]
 
 
+@drawn
 def test_a_saved_trial_is_filmed_as_the_study_ran_it(dynabot, dataset, tmp_path):
     study.save(dataset, tmp_path / "study.nc")
     line = ["--reproduce", f"{tmp_path}:rigid/gauss-markov/gps:2", "--speed", "4", *SMALL, "--out", tmp_path / "a.gif"]
@@ -68,6 +66,7 @@ def test_a_saved_trial_is_filmed_as_the_study_ran_it(dynabot, dataset, tmp_path)
         assert animation.info["duration"] == 100
 
 
+@drawn
 def test_a_still_is_the_frame_of_its_instant(dynabot, tmp_path):
     line = ["video", "--plant", "particle", "--duration", "3", *SMALL]
     assert dynabot(*line, "--still", "2", "--out", tmp_path / "a.png").returncode == 0
@@ -78,6 +77,7 @@ def test_a_still_is_the_frame_of_its_instant(dynabot, tmp_path):
     assert np.abs(still - frame).mean() < 4.0
 
 
+@drawn
 def test_memory_does_not_grow_with_the_length(command, tmp_path):
     """Holding the frames would take 140 MB for 20 s and 560 MB for 80 s, beside about 300 MB for all else."""
     measure = (
@@ -120,6 +120,7 @@ def test_without_a_library_everything_else_works(command, tmp_path, without_grap
     assert "apt-get install libegl1 libgl1-mesa-dri" in done.stderr
 
 
+@drawn
 def test_the_environments_pictures_need_no_display_either():
     environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "MUJOCO_GL")}
     code = (
@@ -131,6 +132,7 @@ def test_the_environments_pictures_need_no_display_either():
     assert (done.stdout, done.stderr) == ("(48, 64, 3) True\n", "")
 
 
+@drawn
 @pytest.mark.parametrize(
     ("options", "told"),
     [
