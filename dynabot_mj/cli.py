@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
-from dynabot_mj import __version__
+from dynabot_mj import __version__, opengl
 from dynabot_mj.commands import (
     benchmark,
     circle,
@@ -72,6 +72,7 @@ def _parser() -> _Parser:
     )
     parser.add_argument("--version", action="version", version=f"dynabot-mj {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
-    for command in _COMMANDS:
-        command.add(commands)
+    with opengl.unasked():  # what commands register imports MuJoCo
+        for command in _COMMANDS:
+            command.add(commands)
     return parser

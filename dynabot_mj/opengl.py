@@ -56,6 +56,17 @@ def has_display() -> bool:
 
 
 @contextlib.contextmanager
+def unasked() -> Iterator[None]:
+    """Hides MUJOCO_GL from MuJoCo's import, which fails where it names what is not there: only pictures need it."""
+    asked = os.environ.pop(_VARIABLE, None)
+    try:
+        yield
+    finally:
+        if asked is not None:
+            os.environ[_VARIABLE] = asked
+
+
+@contextlib.contextmanager
 def for_dm_control() -> Iterator[None]:
     """Lets dm_control, which decides on what draws when it is imported, find what needs no display.
 
@@ -87,8 +98,13 @@ def context(width: int, height: int) -> Iterator[None]:
     """
     name = backend()
     try:
-        opened = importlib.import_module(f"mujoco.{name}").GLContext(width, height)
-        opened.make_current()
+        with warnings.catch_warnings(record=True) as complaints:
+            warnings.simplefilter("always")
+            opened = importlib.import_module(f"mujoco.{name}").GLContext(width, height)
+            opened.make_current()
+        # GLFW's failures are warnings, and its context is one of nothing then.
+        if failures := [one for one in complaints if one.category.__name__ == "GLFWError"]:
+            raise RuntimeError(failures[0].message)
     except Exception as error:  # a broken driver raises whatever its bindings do, from AttributeError to GLError
         reason = (str(error).strip() or type(error).__name__).splitlines()[0]
         mend = MEND.get(name, "see `dynabot doctor`")

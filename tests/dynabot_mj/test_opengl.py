@@ -1,5 +1,7 @@
 import ctypes
 import os
+import types
+import warnings
 
 import pytest
 
@@ -85,4 +87,27 @@ def test_a_context_that_cannot_be_made_is_told_with_what_mends_it(monkeypatch):
 
     monkeypatch.setattr(opengl.importlib, "import_module", broken)
     with pytest.raises(GraphicsError, match=r"OpenGL egl does not work .*eglQueryString.*apt-get install libegl1"):
+        opengl.context(64, 48).__enter__()
+
+
+class GLFWError(UserWarning):
+    """As that of GLFW."""
+
+
+class ContextOfNothing:
+    """As GLFW makes it without a display."""
+
+    def __init__(self, width, height):
+        warnings.warn("no display", GLFWError, stacklevel=1)
+
+    def make_current(self):
+        pass
+
+
+def test_a_context_of_nothing_is_none(monkeypatch):
+    monkeypatch.setenv("MUJOCO_GL", "glfw")
+    monkeypatch.setattr(
+        opengl.importlib, "import_module", lambda name: types.SimpleNamespace(GLContext=ContextOfNothing)
+    )
+    with pytest.raises(GraphicsError, match=r"OpenGL glfw does not work \(no display\): log in to a desktop"):
         opengl.context(64, 48).__enter__()

@@ -3,8 +3,10 @@
 import gc
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 
 import imageio.v3 as imageio
 import numpy as np
@@ -78,6 +80,23 @@ def test_a_still_is_the_frame_of_its_instant(dynabot, tmp_path):
 
 
 @drawn
+def test_ctrl_c_while_it_is_drawn_is_one_line_and_leaves_nothing(command, tmp_path):
+    line = [command, "video", "--duration", "80", "--out", str(tmp_path / "a.mp4")]
+    # A session of its own, so that the encoder gets the signal as well, as from a terminal.
+    process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    until = time.monotonic() + 120.0
+    while not list(tmp_path.iterdir()) and time.monotonic() < until:
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert out == ""
+    assert err.splitlines()[-1] == "dynabot: interrupted"
+    assert "Traceback" not in err
+    assert list(tmp_path.iterdir()) == []
+
+
+@drawn
 def test_memory_does_not_grow_with_the_length(command, tmp_path):
     """Holding the frames would take 140 MB for 20 s and 560 MB for 80 s, beside about 300 MB for all else."""
     measure = (
@@ -118,6 +137,31 @@ def test_without_a_library_everything_else_works(command, tmp_path, without_grap
     done = run("doctor")
     assert done.returncode == 1
     assert "apt-get install libegl1 libgl1-mesa-dri" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ("osmesa", "OpenGL osmesa does not work"),
+        ("glfw", "OpenGL glfw does not work"),
+        ("nonsense", "MUJOCO_GL=nonsense cannot draw; unset it, or set it to one of egl, osmesa, glfw"),
+    ],
+)
+def test_a_back_end_that_is_not_there_keeps_nothing_but_pictures(command, tmp_path, without_graphics, asked, told):
+    def run(*line):
+        environment = {**os.environ, "MUJOCO_GL": asked}
+        line = list(map(str, [command, *line]))
+        return subprocess.run(line, capture_output=True, text=True, timeout=300, check=False, env=environment)
+
+    done = run("video", "--duration", "0.2", "--out", tmp_path / "out" / "a.mp4")
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"dynabot: {told}")
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "out").exists() or list((tmp_path / "out").iterdir()) == []
+    assert run("schedule").returncode == 0
+    done = run("doctor")
+    assert done.returncode == 1
+    assert f"MUJOCO_GL={asked}" in done.stdout
 
 
 @drawn
