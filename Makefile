@@ -3,12 +3,17 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: compare test test-slow browser gains pictures clean
+# Installs system packages where it may.
+apt = { command -v apt-get >/dev/null && echo "installing the system packages $(1)" && { \
+	if [ "$$(id -u)" = 0 ]; then as=env; else as="sudo -n env"; fi; $$as apt-get update -qq && \
+	$$as DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $(1); } >/dev/null 2>&1; }
+
+.PHONY: compare test test-slow browser graphics gains pictures clean
 
 compare: $(VENV)/.installed
 	$(BIN)/dynabot compare
 
-test: $(VENV)/.installed browser
+test: $(VENV)/.installed browser graphics
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -17,12 +22,14 @@ test: $(VENV)/.installed browser
 
 # A real browser for the test of the report, which is skipped without one.
 browser:
-	@command -v chromium >/dev/null || command -v google-chrome >/dev/null || { \
-	  command -v apt-get >/dev/null && echo "installing the system package chromium" && { \
-	  if [ "$$(id -u)" = 0 ]; then apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq chromium; \
-	  else sudo -n apt-get update -qq && sudo -n DEBIAN_FRONTEND=noninteractive apt-get install -y -qq chromium; fi; \
-	  } >/dev/null 2>&1; } || \
+	@command -v chromium >/dev/null || command -v google-chrome >/dev/null || $(call apt,chromium) || \
 	  echo "no browser: the test of the report in one is skipped; install the system package chromium"
+
+# OpenGL without a display for films and their tests, which are skipped without it.
+graphics: $(VENV)/.installed
+	@$(BIN)/python -c 'from dynabot_mj import opengl; opengl.backend()' 2>/dev/null || \
+	  $(call apt,libegl1 libgl1-mesa-dri) || \
+	  echo "no OpenGL: films cannot be drawn; install the system packages libegl1 libgl1-mesa-dri"
 
 # Checks that take minutes: the statistics of Table III on fresh seeds, and the rigid plant against the particle.
 test-slow: $(VENV)/.installed
@@ -34,7 +41,7 @@ gains: $(VENV)/.installed
 	cp out/gains/gains.toml controllers/gains/tuned.toml
 
 # The pictures of the README and of docs/; takes about half an hour.
-pictures: $(VENV)/.installed
+pictures: $(VENV)/.installed graphics
 	$(BIN)/dynabot compare --out out/pictures/compare
 	$(BIN)/dynabot tune traction --out out/pictures/tune
 	$(BIN)/dynabot track --out out/pictures/track
@@ -54,10 +61,7 @@ pictures: $(VENV)/.installed
 $(VENV)/.installed: pyproject.toml requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 	  { echo "Python 3.11 or newer is needed, $(PYTHON) is $$($(PYTHON) --version 2>&1); try: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
-	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || { \
-	  echo "installing the system package python3-venv"; \
-	  if [ "$$(id -u)" = 0 ]; then apt-get update -qq && apt-get install -y -qq python3-venv; \
-	  else sudo -n apt-get update -qq && sudo -n apt-get install -y -qq python3-venv; fi; } || \
+	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || $(call apt,python3-venv) || \
 	  { echo "Python's venv module is missing; install the system package python3-venv"; exit 1; }
 	$(PYTHON) -m venv --clear $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
