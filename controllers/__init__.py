@@ -1,5 +1,6 @@
 """What a robot decides: laws on arrays, with no simulator inside.
 
-Leading axes broadcast: a law written for one robot works for `(trials, robots)` as well. World-frame quantities end in
-`_w`, body-frame ones in `_b`; SI units and radians.
+A law written for one robot works for `(trials, robots)` as well: these axes lead, vectors being `(..., 2)`, but in the
+local laws, whose vectors are `(2, ...)`; see `axes`. World-frame quantities end in `_w`, body-frame ones in `_b`; SI
+units and radians.
 """

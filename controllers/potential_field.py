@@ -13,6 +13,7 @@ V is singular at r = 0; below `closest` it continues as a straight line, so the 
 The paper calls the well's radius h0 and its range h_l for the leader, d0 and d_l for the robots.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,8 +96,11 @@ def attraction(offset_w: Array, well: Well) -> Array:
 
 def saturate(force_w: Array, limit: float) -> Array:
     """Returns the force with its norm limited and its direction kept, (..., 2) [N]."""
-    norm = np.sqrt(force_w[..., 0] ** 2 + force_w[..., 1] ** 2)
-    return force_w * (limit / np.maximum(norm, limit))[..., None] if np.isfinite(limit) else force_w
+    if not math.isfinite(limit):
+        return force_w
+    squares = force_w * force_w
+    norm = np.sqrt(squares[..., 0] + squares[..., 1])
+    return force_w * (limit / np.maximum(norm, limit))[..., None]
 
 
 def total_force(

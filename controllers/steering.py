@@ -33,9 +33,12 @@ rest.
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+
+from controllers.axes import Axes, dot
 
 Array = npt.NDArray[np.float64]
 
@@ -68,16 +71,14 @@ class Heading(PointMass):
     heading_gain: float  # g [1/s]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Reference:
+class Reference(NamedTuple):
     """What the point mass that is imitated does."""
 
-    velocity_w: Array  # v_ref, (..., 2) [m/s]
-    lag_w: Array  # way by which the robot has fallen behind, (..., 2) [m]
+    velocity_w: Array  # v_ref, (2, ...) [m/s]
+    lag_w: Array  # way by which the robot has fallen behind, (2, ...) [m]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Motion:
+class Motion(NamedTuple):
     """What the traction law is asked for."""
 
     speed: Array  # (...) forward [m/s]
@@ -91,7 +92,7 @@ def rest(robots: tuple[int, ...]) -> Reference:
     Args:
         robots: Shape of their headings.
     """
-    return Reference(velocity_w=np.zeros((*robots, 2)), lag_w=np.zeros((*robots, 2)))
+    return Reference(velocity_w=np.zeros((2, *robots)), lag_w=np.zeros((2, *robots)))
 
 
 def advance(
@@ -108,31 +109,31 @@ def advance(
 
     Args:
         reference: Before.
-        force_w: Total command, (..., 2) [N].
-        forward_w: e_x, (..., 2).
+        force_w: Total command, (2, ...) [N].
+        forward_w: e_x, (2, ...).
         speed: Measured forward speed v, (...) [m/s].
         mass: Of the point mass that is imitated [kg].
         period: Of the law [s].
         gains: Of the law.
 
     Returns:
-        The reference after, and d v_ref / dt then, (..., 2) [m/s^2].
+        The reference after, and d v_ref / dt then, (2, ...) [m/s^2].
     """
-    velocity_w = speed[..., None] * forward_w
+    velocity_w = speed * forward_w
     # v_ref tends to this velocity, at which the pull balances the force.
     target_w = velocity_w + force_w / (mass * gains.hold)
     reference_w = target_w + math.exp(-gains.hold * period) * (reference.velocity_w - target_w)
     kept = math.exp(-gains.forget * period)
     lag_w = kept * (reference.lag_w + period * (reference_w - velocity_w))
-    length = np.sqrt(_dot(lag_w, lag_w))
-    lag_w = lag_w * (gains.farthest / np.maximum(length, max(gains.farthest, 1e-12)))[..., None]
+    length = np.sqrt(dot(lag_w, lag_w))
+    lag_w = lag_w * (gains.farthest / np.maximum(length, max(gains.farthest, 1e-12)))
     return Reference(velocity_w=reference_w, lag_w=lag_w), gains.hold * (target_w - reference_w)
 
 
 def steer(
     reference: Reference,
     force_w: Array,
-    heading: Array,
+    axes: Axes,
     speed: Array,
     *,
     mass: float,
@@ -143,8 +144,8 @@ def steer(
 
     Args:
         reference: Before.
-        force_w: Total command, (..., 2) [N].
-        heading: Measured, (...) [rad].
+        force_w: Total command, (2, ...) [N].
+        axes: By the measured heading.
         speed: Measured forward speed, (...) [m/s].
         mass: Of the point mass that is imitated [kg].
         period: Of this law [s].
@@ -153,25 +154,19 @@ def steer(
     Returns:
         The reference after, and the motion to ask of the traction law.
     """
-    cos, sin = np.cos(heading), np.sin(heading)
-    forward_w, left_w = np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)
+    forward_w, left_w = axes
     reference, acceleration_w = advance(reference, force_w, forward_w, speed, mass=mass, period=period, gains=gains)
     wanted_w = reference.velocity_w + gains.catch_up * reference.lag_w + gains.preview * acceleration_w
-    along, across = _dot(wanted_w, forward_w), _dot(wanted_w, left_w)
+    along, across = dot(wanted_w, forward_w), dot(wanted_w, left_w)
+    along_squared = along * along
     match gains:
         case HandPoint():
-            turning = _dot(acceleration_w, left_w) * along / (along * along + gains.turning_speed**2)
+            turning = dot(acceleration_w, left_w) * along / (along_squared + gains.turning_speed**2)
             yaw_rate = across / gains.offset + turning
         case Heading():
             end = np.where(along < 0.0, -1.0, 1.0)
             yaw_rate = gains.heading_gain * np.arctan2(end * across, end * along)
-    moving = along * along + across * across >= gains.deadband**2
-    return reference, Motion(
-        speed=np.where(moving, along, 0.0),
-        acceleration=np.where(moving, _dot(force_w, forward_w) / mass, 0.0),
-        yaw_rate=np.where(moving, np.clip(yaw_rate, -gains.yaw_rate_limit, gains.yaw_rate_limit), 0.0),
-    )
-
-
-def _dot(a: Array, b: Array) -> Array:
-    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]
+    moving = along_squared + across * across >= gains.deadband**2
+    yaw_rate = yaw_rate.clip(-gains.yaw_rate_limit, gains.yaw_rate_limit)
+    asked = np.array((along, dot(force_w, forward_w) / mass, yaw_rate))
+    return reference, Motion(*np.where(moving, asked, 0.0))

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from controllers.axes import components_last
 from controllers.steering import Motion
 from controllers.vehicle import Vehicle
 
@@ -60,19 +61,26 @@ def drive(
         Wheel speeds, (..., 4) [rad/s], and torque feed-forward, (..., 4) [Nm], in the order of `SIDES`.
     """
     half_track = vehicle.turning_track / 2.0
-
-    def at_wheels(forward: Array, turn: Array) -> Array:
-        return forward[..., None] + half_track * turn[..., None] * SIDES
-
-    ground = at_wheels(speed, yaw_rate)
-    wanted = at_wheels(
+    # Front and rear wheels are told the same, so there are two numbers per robot: (2, ...), left and right.
+    ground = _sides(speed, half_track * yaw_rate)
+    wanted = _sides(
         motion.speed + gains.speed_gain * (motion.speed - speed),
-        motion.yaw_rate + gains.yaw_gain * (motion.yaw_rate - yaw_rate),
+        half_track * (motion.yaw_rate + gains.yaw_gain * (motion.yaw_rate - yaw_rate)),
     )
-    push = vehicle.effective_mass * motion.acceleration * vehicle.wheel_radius / 4.0
+    push = vehicle.effective_mass * motion.acceleration * (vehicle.wheel_radius / 4.0)
     scrub = gains.scrub_torque * np.tanh(motion.yaw_rate / gains.scrub_rate)
-    torque = np.clip(push[..., None] + scrub[..., None] * SIDES, -vehicle.torque_limit, vehicle.torque_limit)
+    torque = _sides(push, scrub).clip(-vehicle.torque_limit, vehicle.torque_limit)
     ahead = vehicle.wheel_radius * torque / vehicle.servo_gain
     slip = gains.slip_limit + gains.slip_share * np.abs(ground)
-    rim_speed = ground + np.clip(wanted + ahead - ground, -slip, slip) - ahead
-    return rim_speed / vehicle.wheel_radius, torque
+    rim_speed = ground + (wanted + ahead - ground).clip(-slip, slip) - ahead
+    return _at_wheels(rim_speed / vehicle.wheel_radius), _at_wheels(torque)
+
+
+def _sides(straight: Array, turn: Array) -> Array:
+    """Returns what moves the robot straight on and turns it to the left, for its left and right side, (2, ...)."""
+    return np.array((straight - turn, straight + turn))
+
+
+def _at_wheels(sides: Array) -> Array:
+    """Returns what each wheel is told in the order of `SIDES`, (..., 4)."""
+    return components_last(np.concatenate((sides, sides)))

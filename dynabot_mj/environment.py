@@ -27,19 +27,21 @@ from collections.abc import Mapping, Sequence
 from typing import Literal, get_args
 
 import numpy as np
-from dm_control.mujoco import wrapper
-from dm_control.rl import control
 from dm_env import specs
 
 from controllers import potential_field
 from controllers.law import Information
 from controllers.potential_field import Well
-from dynabot_mj import configuration, scenario, scene, simulation
+from dynabot_mj import configuration, opengl, scenario, scene, simulation
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.errors import InputError
 from dynabot_mj.fleet_physics import FleetPhysics
 from dynabot_mj.radio import Radio
 from dynabot_mj.scenario import Case, EstimatorName, Scenario
+
+with opengl.for_dm_control():
+    from dm_control.mujoco import wrapper
+    from dm_control.rl import control
 
 Action = Literal["force", "wheels"]
 Observation = Literal["truth", "heard"]
@@ -153,12 +155,13 @@ class FormationTask(control.Task):
 
     def get_observation(self, physics: FleetPhysics) -> dict[str, Array]:
         """Returns what is seen of the robots; with `heard`, they sample and broadcast now."""
-        state, now = physics.state, np.full_like(physics.state.heading, physics.state.time)
+        state = physics.state
         common = {"time": np.array(state.time), "leader": simulation.LEADER_W.copy()}
         motion = {"heading": _wrapped(state.heading[0]), "yaw_rate": state.yaw_rate[0]}
         if self._observation == "truth":
             return {**common, "position": state.position_w[0], "velocity": state.velocity_w[0], **motion}
         belief = self._perception.observe(state, self._everybody)
+        now = np.full_like(state.heading, state.time)
         self._radio.broadcast(belief.position_w, now, self._everybody)
         heard = self._radio.heard(now)
         return {

@@ -37,9 +37,11 @@ class FleetPhysics(mujoco.Physics):
         self._qpos = self.data.qpos.reshape(1, robots, -1)
         self._qvel = self.data.qvel.reshape(1, robots, -1)
         self._ctrl = self.data.ctrl.reshape(1, robots, len(scene.WHEELS), 2)
-        self._axes, self._sensors = self.data.xmat, self.data.sensordata
-        self._chassis = [int(self.model.joint(f"{scene.prefix(i)}free").bodyid[0]) for i in range(robots)]
-        self._hulls = [int(self.model.sensor(f"{scene.prefix(i)}hull_contact").adr[0]) for i in range(robots)]
+        # Robots are alike and follow each other, their bodies behind the field's: so these are views as well.
+        chassis = int(self.model.joint(f"{scene.prefix(0)}free").bodyid[0])
+        hull = int(self.model.sensor(f"{scene.prefix(0)}hull_contact").adr[0])
+        self._axes = self.data.xmat[chassis:].reshape(robots, -1, 9)[:, 0]
+        self._contacts = self.data.sensordata.reshape(robots, -1)[:, hull]
 
     @property
     def state(self) -> FleetState:
@@ -83,13 +85,13 @@ class FleetPhysics(mujoco.Physics):
                 count = min(self._per_look, self.steps - done)
                 done += count
                 super().step(count)
-                self._touched = self._touched or bool(self._sensors[self._hulls].any())
+                self._touched = self._touched or bool(self._contacts.any())
             # Rounded as studies round it.
             self._state = self._read(round(start + self.period * (local + 1), 9))
 
     def _read(self, time: float) -> FleetState:
         # MuJoCo's own axes, which dm_control keeps up to date, are quicker had than those of `free_joint.orientation`.
-        axes = self._axes[self._chassis]
+        axes = self._axes
         self._heading = free_joint.continued(self._heading, np.arctan2(axes[:, 3], axes[:, 0])[None])
         return FleetState(
             time=time,

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers import odometry, steering, traction
+from controllers import axes, odometry, steering, traction
+from controllers.axes import Axes, components_first, components_last, dot
 from controllers.odometry import Odometry
 from controllers.steering import HandPoint, Heading
 from controllers.traction import Traction
@@ -45,19 +46,19 @@ class Drivers:
         """
         self._laws, self._vehicle = laws, vehicle
         self._reference = steering.rest(state.heading.shape)
-        self._velocity_w = np.zeros_like(state.velocity_w)
+        self._velocity_w = np.zeros((2, *state.heading.shape))
         self._sensed = state
         self._past_error: NavigationError | None = None
 
     @property
     def odometry_w(self) -> Array:
         """Velocity by wheels and accelerometer, (B, n, 2) [m/s]."""
-        return self._velocity_w
+        return components_last(self._velocity_w)
 
     @property
     def reference_w(self) -> Array:
         """Velocity of the point mass that the steering law imitates, (B, n, 2) [m/s]."""
-        return self._reference.velocity_w
+        return components_last(self._reference.velocity_w)
 
     def drive(
         self,
@@ -82,14 +83,14 @@ class Drivers:
             Wheel speeds, (B, n, 4) [rad/s], and torque feed-forward, (B, n, 4) [Nm].
         """
         laws = self._laws
-        heading = state.heading if error is None else state.heading + error.heading
-        speed, yaw_rate = self._sense(heading, state, spin, wheel_speed, error)
+        facing, speed, yaw_rate = self._sense(state, spin, wheel_speed, error)
         if not laws.on_board:
-            heading, speed, yaw_rate = state.heading, along(state.velocity_w, state.heading), state.yaw_rate
+            facing, speed = axes.of_heading(state.heading), along(state.velocity_w, state.heading)
+            yaw_rate = state.yaw_rate
         self._reference, motion = steering.steer(
             self._reference,
-            force_w,
-            heading,
+            components_first(force_w),
+            facing,
             speed,
             mass=self._vehicle.mass,
             period=period,
@@ -99,31 +100,35 @@ class Drivers:
         return traction.drive(motion, speed, yaw_rate, vehicle=self._vehicle, gains=laws.traction)
 
     def _sense(
-        self, heading: Array, state: FleetState, spin: Array, wheel_speed: Array, error: NavigationError | None
-    ) -> tuple[Array, Array]:
-        """Returns forward speed and yaw rate by wheels, accelerometer and gyro, (B, n) [m/s], [rad/s]."""
-        before = self._sensed
-        if state.time > before.time:
-            period = state.time - before.time
-            increment_w = state.velocity_w - before.velocity_w
-            if error is not None:
-                wheel_speed = measured(wheel_speed, self._laws.wheel_resolution)
-            # The errors that held while the increments were gathered, not those of the period that begins.
-            past = self._past_error
-            if past is not None and past.acceleration_b is not None:
-                felt_b = state.specific_impulse_b - before.specific_impulse_b + period * past.acceleration_b
-                increment_w = to_world(felt_b, heading - 0.5 * period * (spin + past.yaw_rate))
+        self, state: FleetState, spin: Array, wheel_speed: Array, error: NavigationError | None
+    ) -> tuple[Axes, Array, Array]:
+        """Returns axes, forward speed and yaw rate by all that is on board; speeds are (B, n) [m/s], [rad/s]."""
+        heading = state.heading if error is None else state.heading + error.heading
+        facing = axes.of_heading(heading)
+        if state.time > self._sensed.time:
             self._velocity_w = odometry.velocity(
                 self._velocity_w,
-                increment_w,
-                heading,
-                wheel_speed,
+                components_first(self._increment_w(heading, state, spin)),
+                facing,
+                wheel_speed if error is None else measured(wheel_speed, self._laws.wheel_resolution),
                 wheel_radius=self._vehicle.wheel_radius,
-                period=period,
+                period=state.time - self._sensed.time,
                 gains=self._laws.odometry,
             )
             self._sensed = state
-        return along(self._velocity_w, heading), spin if error is None else spin + error.yaw_rate
+        speed = dot(self._velocity_w, facing.forward_w)
+        return facing, speed, spin if error is None else spin + error.yaw_rate
+
+    def _increment_w(self, heading: Array, state: FleetState, spin: Array) -> Array:
+        """Returns by how much the velocity has changed since it was last sensed, by accelerometer, (B, n, 2) [m/s]."""
+        before = self._sensed
+        # The errors that held while the increments were gathered, not those of the period that begins.
+        past = self._past_error
+        if past is None or past.acceleration_b is None:
+            return state.velocity_w - before.velocity_w
+        period = state.time - before.time
+        felt_b = state.specific_impulse_b - before.specific_impulse_b + period * past.acceleration_b
+        return to_world(felt_b, heading - 0.5 * period * (spin + past.yaw_rate))
 
 
 def along(velocity_w: Array, heading: Array) -> Array:
