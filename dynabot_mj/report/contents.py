@@ -50,7 +50,7 @@ def build(material: Material) -> Report:
         _distributions(study, tables),
         _paths(study),
         _over_time(material),
-        _estimates(study),
+        _estimates(study, tables),
         _circle(material.circle, tables),
         _origin(study, material.execution),
     ]
@@ -155,18 +155,19 @@ def _over_time(material: Material) -> Section:
     return Section(title="One trial over time", parts=parts)
 
 
-def _estimates(study: xr.Dataset) -> Section | None:
+def _estimates(study: xr.Dataset, tables: Mapping[str, str]) -> Section | None:
     figure, table = figures.errors(study), in_loop.table(study)
     if figure is None or table is None:
         return None
     caption = "How long errors last: autocorrelation of the errors of the believed positions, and their size."
-    return Section(title="Errors in the loop", parts=[_figure(figure, "errors", caption), page.table(table)])
+    parts = [_figure(figure, "errors", caption), page.table(table), _downloads(tables, "cases.csv")]
+    return Section(title="Errors in the loop", parts=parts)
 
 
 def _circle(outcome: Outcome, tables: Mapping[str, str]) -> Section:
     caption = (
-        "As in the paper's Fig. 3: what the estimators make of the same samples of one run, and how far they are from "
-        "the best-fit actual path at most."
+        "As in the paper's Fig. 3: what the estimators make of the same samples of one run, by the study's sensors "
+        "without faults, and how far they are from the best-fit actual path at most."
     )
     parts = [
         _figure(estimation_figures.paths(outcome), "circle", caption),

@@ -2,6 +2,7 @@
 
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from dynabot_mj.names import METHOD_NAMES, PERCEPTION_NAMES
 from dynabot_mj.opengl import GraphicsError
 from dynabot_mj.recording import Recording
 from dynabot_mj.report.contents import Material
+from dynabot_mj.scenario import Scenario
 from dynabot_mj.simulation import TRAJECTORY_INTERVAL
 from dynabot_mj.video import encoder, film, take
 from dynabot_mj.video.shot import Shot
@@ -35,9 +37,12 @@ def gather(study: xr.Dataset, execution: Mapping[str, Any], changed: str, progre
         changed: What makes it impossible to repeat the study's trials; "" where nothing does.
         progress: Told the share of the work that is done.
     """
-    recordings = [] if changed else _recordings(study, lambda share: progress(0.7 * share))
+    setup = configuration.load(study.attrs["configuration"], "the study's configuration")
+    recordings = [] if changed else _recordings(setup, lambda share: progress(0.7 * share))
     clip, clip_note = _clip(recordings, lambda share: progress(0.7 + 0.2 * share))
-    asked = circle.Request(runs=_CIRCLE_RUNS, seed=int(study.attrs["seed"]))
+    # Faults are of robots that are not there, at times that belong to a formation.
+    sensors = replace(setup.sensors, faults=())
+    asked = circle.Request(runs=_CIRCLE_RUNS, seed=setup.seed, sensors=sensors, filter=setup.filter)
     return Material(
         study=study,
         execution=execution,
@@ -49,9 +54,8 @@ def gather(study: xr.Dataset, execution: Mapping[str, Any], changed: str, progre
     )
 
 
-def _recordings(study: xr.Dataset, progress: Progress) -> list[Recording]:
+def _recordings(setup: Scenario, progress: Progress) -> list[Recording]:
     """Repeats the study's first trial of each case."""
-    setup = configuration.load(study.attrs["configuration"], "the study's configuration")
     cases = scenario.cases(setup)
     found = []
     for index, case in enumerate(cases):

@@ -60,3 +60,15 @@ def test_every_table_can_be_saved_from_the_page(gathered):
     assert set(made.tables) == {"cases.csv", "differences.csv", "trials.csv", "circle.csv"}
     for name in made.tables:
         assert f'download="{name}"' in made.html
+
+
+def test_the_tether_has_the_studys_sensors_without_their_faults(monkeypatch):
+    fault = {"kind": "outage", "start": 1.0, "end": 2.0, "robots": [2]}
+    sensors = {"gps": {"latency": 0.05}, "faults": [fault]}
+    setup = configuration.build({"sensors": sensors}, trials=1, duration=1.0, estimators=["gps"], plants=["particle"])
+    asked = []
+    monkeypatch.setattr(material.circle, "run", lambda request, progress: asked.append(request))
+    material.gather(study.run(setup), {}, "nothing to repeat", lambda share: None)
+    assert asked[0].sensors.gps.latency == 0.05
+    assert asked[0].sensors.faults == ()
+    assert asked[0].filter == setup.filter
