@@ -47,7 +47,7 @@ pictures: $(VENV)/.installed graphics
 	$(BIN)/dynabot track --out out/pictures/track
 	$(BIN)/dynabot circle --out out/pictures/circle
 	$(BIN)/dynabot compare --perception gauss-markov filter fitted --out out/pictures/perception
-	$(BIN)/dynabot video --beside particle --still 34 --samples 4 --out out/pictures/fleet.png
+	$(BIN)/dynabot video --beside particle --still 34 --out out/pictures/fleet.png
 	mkdir -p docs/images
 	cp out/pictures/fleet.png docs/images/
 	cp out/pictures/compare/trajectories_decoupled.png out/pictures/compare/table_iii.png docs/images/

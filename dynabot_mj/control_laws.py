@@ -2,6 +2,7 @@
 
 import importlib
 import sys
+import traceback
 from pathlib import Path
 
 import numpy as np
@@ -41,7 +42,10 @@ def build(name: str, field: PotentialField) -> Law:
     law = _load(name)
 
     def follow_user(known: Information) -> Array:
-        force_w = np.asarray(law(known), dtype=float)
+        try:
+            force_w = np.asarray(law(known), dtype=float)
+        except Exception as error:  # it is the user's: anything
+            raise InputError(f"controller {name!r} failed at {known.time:g} s: {_told(error)}") from error
         if force_w.shape != known.position_w.shape:
             raise InputError(
                 f"controller {name!r} returned an array of shape {force_w.shape}, it must be {known.position_w.shape}: "
@@ -75,8 +79,17 @@ def _load(name: str) -> Law:
         sys.path.insert(0, here)  # commands, and their worker processes, start without it
     try:
         law: Law = getattr(importlib.import_module(module_name), function)
-    except (ImportError, AttributeError) as error:
+    except AttributeError as error:
         raise InputError(f"controller {name!r} given: {error}") from error
+    except Exception as error:  # whatever happens in a module of the user's
+        raise InputError(f"controller {name!r} cannot be imported: {_told(error)}") from error
     if not callable(law):
         raise InputError(f"controller {name!r} given, it must be a function")
     return law
+
+
+def _told(error: Exception) -> str:
+    """Returns an error of the user's code in one line, and where in it."""
+    where = traceback.extract_tb(error.__traceback__)[-1]
+    reason = " ".join(str(error).split())
+    return f"{type(error).__name__}{f': {reason}' if reason else ''} ({Path(where.filename).name}, line {where.lineno})"

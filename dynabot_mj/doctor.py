@@ -115,7 +115,7 @@ def _backend(name: str) -> Check:
 
 def _graphics(backends: Sequence[Check]) -> Check:
     """Tells whether there is a back end to draw with: the one that was asked for, or any."""
-    name, asked = "drawing without a display", os.environ.get("MUJOCO_GL")
+    name, asked = "drawing without a display", os.environ.get("MUJOCO_GL", "").lower()
     working = [backend for backend, check in zip(BACKENDS, backends, strict=True) if check.ok]
     if asked:
         mend = f"unset MUJOCO_GL, or set it to {working[0]}" if working else MEND["egl"]

@@ -21,7 +21,7 @@ import controllers
 import dynabot_mj
 import estimation
 import models
-from dynabot_mj import __version__, configuration, files, scenario
+from dynabot_mj import __version__, configuration, files, opengl, scenario
 from dynabot_mj.errors import InputError
 from dynabot_mj.scenario import Case, Scenario
 from dynabot_mj.simulation import Outcome, Progress, simulate
@@ -186,8 +186,9 @@ def _execute(todo: Mapping[int, _Chunk], how: Execution, tally: _Tally) -> Itera
             stack.enter_context(executor)
         # Long chunks first, so that no worker is left with one at the end.
         order = sorted(todo, key=lambda index: -todo[index].weight)
-        with files.uninterrupted():
-            # Workers are started here and inherit that they ignore Ctrl-C, which reaches every process of a terminal.
+        with files.uninterrupted(), opengl.unasked():
+            # Workers are started here and inherit that they ignore Ctrl-C, which reaches every process of a terminal,
+            # and that they need no OpenGL.
             waiting = {executor.submit(_run_chunk, index, todo[index]): index for index in order}
         try:
             while waiting:

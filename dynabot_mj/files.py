@@ -32,8 +32,11 @@ def require_writable(folder: Path) -> None:
 def write(path: Path, content: bytes) -> None:
     """Writes a file beside its place and renames it into place."""
     partial = path.with_name(f".{path.name}.partial")
-    partial.write_bytes(content)
-    os.replace(partial, path)
+    try:
+        partial.write_bytes(content)
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 @contextlib.contextmanager

@@ -78,7 +78,7 @@ def for_dm_control() -> Iterator[None]:
         return
     with contextlib.suppress(Exception):  # a broken driver raises anything; then there is nothing to set
         name = backend()
-        importlib.import_module(f"mujoco.{name}")  # without it, dm_control's context draws nothing
+        importlib.import_module(f"mujoco.{name}")  # a library that cannot be bound must not be named
         os.environ[_VARIABLE] = name
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -107,12 +107,24 @@ def context(width: int, height: int) -> Iterator[None]:
             raise RuntimeError(failures[0].message)
     except Exception as error:  # a broken driver raises whatever its bindings do, from AttributeError to GLError
         reason = (str(error).strip() or type(error).__name__).splitlines()[0]
-        mend = MEND.get(name, "see `dynabot doctor`")
+        mend = MEND[name] if sys.platform == "linux" else "see `dynabot doctor`"
+        if _VARIABLE in os.environ:
+            mend = f"unset {_VARIABLE}, or {mend}"
         raise GraphicsError(f"OpenGL {name} does not work ({reason}): {mend}") from error
     try:
         yield
     finally:
         opened.free()
+
+
+def require() -> None:
+    """Makes sure, before any work, that something can be drawn.
+
+    Raises:
+        GraphicsError: If not.
+    """
+    with context(64, 64):
+        pass
 
 
 def _loads(library: str) -> bool:

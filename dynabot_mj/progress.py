@@ -19,6 +19,9 @@ def shown(title: str, frames: int = 0) -> Iterator[Callable[[float], None]]:
         title: Of the work.
         frames: That it consists of, to tell how many are done per second; 0: of none.
     """
+    if sys.stderr is None:  # closed
+        yield lambda share: None
+        return
     if sys.stderr.isatty():
         columns = (
             TextColumn("{task.description}"),

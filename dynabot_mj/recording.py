@@ -46,6 +46,7 @@ class Recording:
     heard_age: Array  # (K, n, n) since they were sampled [s]; NaN likewise
     closest: Array  # (K,) smallest distance between two centres since the time before [m]
     overlapping: BoolArray  # (K, n) whose footprint has overlapped another since the time before
+    near: BoolArray  # (K, n) whose centre has been nearer to another than the collision distance since then
     messages: Messages
 
 
@@ -77,7 +78,7 @@ class _Recorder:
         self._messages: list[tuple[float, int, Array, Array]] = []
         self._previous: FleetState | None = None
         self._event: Event | None = None
-        self._closest, self._overlapping = np.inf, np.zeros(setup.robots, dtype=bool)
+        self._closest, self._overlapping, self._near = _nobody_near(setup.robots)
 
     def event(self, event: Event) -> None:
         """Takes what is held from now on."""
@@ -121,6 +122,7 @@ class _Recorder:
             heard_age=kept["heard_age"],
             closest=kept["closest"],
             overlapping=kept["overlapping"].astype(bool),
+            near=kept["near"].astype(bool),
             messages=Messages(
                 sent_at=np.array([message[0] for message in self._messages]),
                 sender=np.array([message[1] for message in self._messages], dtype=np.int64),
@@ -132,7 +134,10 @@ class _Recorder:
     def _judge(self, state: FleetState) -> None:
         """Looks for robots that are near each other."""
         offset = state.position_w[0, self._second] - state.position_w[0, self._first]
-        self._closest = min(self._closest, float(np.hypot(offset[:, 0], offset[:, 1]).min()))
+        distance = np.hypot(offset[:, 0], offset[:, 1])
+        self._closest = min(self._closest, float(distance.min()))
+        near = distance < self._setup.collision_distance
+        self._near[self._first[near]] = self._near[self._second[near]] = True
         touch = footprints_touch(
             offset,
             state.heading[0, self._first],
@@ -164,6 +169,7 @@ class _Recorder:
             "heard_age": np.where(arrived, time - heard.sampled_at[0], np.nan),
             "closest": np.asarray(self._closest),
             "overlapping": self._overlapping.astype(float),
+            "near": self._near.astype(float),
         }
         if before.pose is not None and after.pose is not None and after.wheel_speed is not None:
             pose = between(before.pose, after.pose)
@@ -172,5 +178,10 @@ class _Recorder:
             frame["pose"] = pose
             frame["slip"] = tyre_slip(after, after.wheel_speed, self._vehicle)[0].max(axis=-1)
         self._frames.append(frame)
-        self._closest, self._overlapping = np.inf, np.zeros(self._setup.robots, dtype=bool)
+        self._closest, self._overlapping, self._near = _nobody_near(self._setup.robots)
         self._judge(after)
+
+
+def _nobody_near(robots: int) -> tuple[float, BoolArray, BoolArray]:
+    """Returns the smallest distance, who has overlapped and who has been too near, before any is looked at."""
+    return np.inf, np.zeros(robots, dtype=bool), np.zeros(robots, dtype=bool)

@@ -41,7 +41,7 @@ class Stage:
 
         Args:
             setup: The study's configuration.
-            case: Point masses are spheres as wide as the distance at which they collide.
+            case: One of them; its point masses are spheres as wide as the distance at which they collide.
             signs: With the rings and what robots believe, for whoever draws none of it.
         """
         rigid, ghosts = case.plant == "rigid", signs and case.perception is not None
@@ -91,8 +91,8 @@ def trail(snapshots: Sequence[Snapshot], index: int) -> Array:
     """
     spacing = snapshots[1].time - snapshots[0].time if len(snapshots) > 1 else TRAIL_SPACING
     stride = max(1, round(TRAIL_SPACING / spacing))
-    # Points stay where they are while the robots move on.
-    first = stride * -(-max(0, index - round(TRAIL / spacing)) // stride)
+    # Points stay where they are while the robots move on, and so do dashes, each from an even one to the next.
+    first = 2 * stride * -(-max(0, index - round(TRAIL / spacing)) // (2 * stride))
     chosen = [*range(first, index, stride), index]
     return np.stack([snapshots[one].position_w for one in chosen], axis=1)
 

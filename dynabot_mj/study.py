@@ -82,6 +82,11 @@ def load(path: Path) -> xr.Dataset:
         return dataset.load()
 
 
+def missing(study: xr.Dataset) -> list[str]:
+    """Returns which of the variables that `run` returns a Dataset lacks, as one of an older version may."""
+    return [name for name in ("diverged", *_VARIABLES, "error_lag") if name not in study.variables]
+
+
 def _dataset(setup: Scenario, by_case: Mapping[Case, list[Outcome]]) -> xr.Dataset:
     """Joins the chunks of each case along the trials, and the cases."""
     cases = list(by_case)

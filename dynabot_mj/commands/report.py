@@ -27,8 +27,11 @@ def add(commands: parsers.Commands) -> None:
 def report(options: argparse.Namespace) -> None:
     """A study as one page of HTML that needs no network, with its tables as CSV."""
     from dynabot_mj import files, progress
+    from dynabot_mj import study as studies
 
     study, path = trials.saved_study(options.folder)
+    if missing := studies.missing(study):
+        raise InputError(f"the study {path} has no {missing[0]}, which a report needs; run it again")
     page: Path = options.out or path.parent / "report.html"
     if page.suffix != ".html" or page.is_dir():
         raise InputError(f"--out {page} given, it must be a file whose name ends with .html")

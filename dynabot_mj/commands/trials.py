@@ -56,15 +56,22 @@ def saved_study(place: Path) -> tuple[Any, Path]:
     Raises:
         InputError: If there is none, or it cannot be read.
     """
-    from dynabot_mj import study
+    from dynabot_mj import configuration, scenario, study
 
     path = place / "study.nc" if place.is_dir() else place
     if not path.is_file():
         raise InputError(f"there is no study at {path}")
     try:
-        return study.load(path), path
+        saved = study.load(path)
     except (OSError, ValueError) as error:
         raise InputError(f"cannot read the study {path}: {error}") from error
+    for name in ("configuration", "case", "trial"):
+        if name not in saved.attrs and name not in saved.coords:
+            raise InputError(f"the study {path} is not as it was saved: it has no {name}")
+    labels = [case.label for case in scenario.cases(configuration.load(saved.attrs["configuration"], str(path)))]
+    if labels != saved.case.values.tolist():
+        raise InputError(f"the study {path} is not as it was saved: configured are the cases {', '.join(labels)}")
+    return saved, path
 
 
 def changed_input(saved: Any) -> str | None:

@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from dynabot_mj import configuration, opengl, recording, scenario
+from dynabot_mj.errors import DynabotError
 from dynabot_mj.experiments import circle
 from dynabot_mj.names import METHOD_NAMES, PERCEPTION_NAMES
-from dynabot_mj.opengl import GraphicsError
 from dynabot_mj.recording import Recording
 from dynabot_mj.report.contents import Material
 from dynabot_mj.scenario import Scenario
@@ -94,13 +94,13 @@ def _clip(recordings: Sequence[Recording], progress: Progress) -> tuple[bytes | 
         return None, "There is no film: it shows rigid robots, and the study has none that can be run again."
     chosen = next((one for one in rigid if one.case.estimator == _FILMED), rigid[0])
     try:
-        opengl.backend()
+        opengl.require()
         taken = take.take(chosen.setup, _SHOT, beside=False, progress=lambda share: progress(0.2 * share))
         with film.opened(taken, _SHOT) as drawn, tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "film.mp4"
             encoder.write(path, drawn.frames(lambda share: progress(0.2 + 0.8 * share)), _SHOT.rate)
             content = path.read_bytes()
-    except GraphicsError as error:
+    except DynabotError as error:
         return None, f"There is no film: {error}."
     parts = [METHOD_NAMES[chosen.case.estimator]]
     if chosen.case.perception:

@@ -1,9 +1,10 @@
 """What a film costs: frames per second of the drawing with everything on, what each overlay takes, and the encoder.
 
-Each picture is drawn by all variants in turn, in an order drawn by lot, and an overlay's cost is the median of the
-differences between neighbours: so what else the machine does falls on all of them alike.
+Each picture is drawn by all variants in turn, in an order drawn by lot, and an overlay's cost is the median of what
+each picture takes longer with it: so what else the machine does falls on all of them alike.
 """
 
+import itertools
 import tempfile
 import time
 from collections.abc import Sequence
@@ -22,6 +23,7 @@ from dynabot_mj.video.film import Film
 from dynabot_mj.video.shot import OVERLAYS, Shot
 
 _SIZES = ((1280, 720), (640, 480))
+_ENCODED = 120  # pictures, which are in memory at once
 _DURATION = 60.0  # of the trial, from which pictures are taken evenly [s]
 
 
@@ -52,8 +54,9 @@ def run(robots: int, pictures: int, progress: Progress = lambda share: None) -> 
     setup = configuration.build(
         {}, plants=["rigid"], estimators=["decoupled"], trials=1, robots=robots, duration=_DURATION
     )
-    shot = Shot(rate=pictures / _DURATION)
+    shot = Shot()
     what = take.take(setup, shot, beside=True)
+    chosen = np.linspace(0, what.frames - 1, pictures).round().astype(int).tolist()
     rows = []
     for done, (width, height) in enumerate(_SIZES):
         sized = replace(shot, width=width, height=height)
@@ -61,7 +64,7 @@ def run(robots: int, pictures: int, progress: Progress = lambda share: None) -> 
         def tell(share: float, done: int = done) -> None:
             progress((done + share) / len(_SIZES))
 
-        rows.append(_row(what, sized, tell))
+        rows.append(_row(what, sized, chosen, tell))
     return rows
 
 
@@ -77,7 +80,7 @@ def markdown(rows: Sequence[Row], robots: int, pictures: int) -> str:
         ["frames/s, everything on", *(f"{row.frames_per_second:.0f}" for row in rows)],
         ["frames/s, no overlay", *(f"{row.bare_per_second:.0f}" for row in rows)],
         ["frames/s, encoder alone", *(f"{row.encoded_per_second:.0f}" for row in rows)],
-        *([f"{name} [ms]", *(f"{row.overlays_ms[name]:.1f}" for row in rows)] for name in OVERLAYS),
+        *([f"{name} [ms]", *(f"{round(row.overlays_ms[name], 1) + 0.0:.1f}" for row in rows)] for name in OVERLAYS),
         ["four samples per pixel [ms]", *(f"{row.smooth_ms:.1f}" for row in rows)],
     ]
     lines = [
@@ -91,18 +94,18 @@ def markdown(rows: Sequence[Row], robots: int, pictures: int) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _row(what: take.Take, shot: Shot, progress: Progress) -> Row:
+def _row(what: take.Take, shot: Shot, chosen: Sequence[int], progress: Progress) -> Row:
     every = frozenset(OVERLAYS)
     variants = [shot, *(replace(shot, overlays=every - {name}) for name in OVERLAYS)]
     variants.append(replace(shot, overlays=frozenset()))
     with opengl.context(shot.width, shot.height):
-        spent = _drawn(what, variants, lambda share: progress(0.7 * share))
+        spent = _drawn(what, variants, chosen, lambda share: progress(0.7 * share))
         film = Film(what, shot)
         encoded = _encoded_per_second(film)
         film.free()
     # By itself: with another number of samples from picture to picture, the driver compiles anew each time.
     with opengl.context(shot.width, shot.height):
-        smooth = _drawn(what, [replace(shot, samples=4)], lambda share: progress(0.7 + 0.3 * share))
+        smooth = _drawn(what, [replace(shot, samples=4)], chosen, lambda share: progress(0.7 + 0.3 * share))
     typical: Array = np.median(spent, axis=0)
     saved = np.median(spent[:, :1] - spent, axis=0)
     return Row(
@@ -116,20 +119,20 @@ def _row(what: take.Take, shot: Shot, progress: Progress) -> Row:
     )
 
 
-def _drawn(what: take.Take, variants: Sequence[Shot], progress: Progress) -> Array:
+def _drawn(what: take.Take, variants: Sequence[Shot], chosen: Sequence[int], progress: Progress) -> Array:
     """Returns how long each picture takes in each variant, (pictures, variants) [s]."""
     films = [Film(what, variant) for variant in variants]
-    spent = np.empty((what.frames, len(films)))
+    spent = np.empty((len(chosen), len(films)))
     generator = np.random.default_rng(0)
     for film in films:
         film.frame(0)
-    for k in range(what.frames):
+    for row, k in enumerate(chosen):
         # What was drawn before matters: the driver frees and clears then.
         for index in generator.permutation(len(films)):
             begin = time.perf_counter()
             films[index].frame(k)
-            spent[k, index] = time.perf_counter() - begin
-        progress((k + 1) / what.frames)
+            spent[row, index] = time.perf_counter() - begin
+        progress((row + 1) / len(chosen))
     for film in films:
         film.free()
     return spent
@@ -137,7 +140,7 @@ def _drawn(what: take.Take, variants: Sequence[Shot], progress: Progress) -> Arr
 
 def _encoded_per_second(film: Film) -> float:
     """Returns how many pictures the encoder takes per second, all of them drawn before."""
-    pictures = list(film.frames())
+    pictures = list(itertools.islice(film.frames(), _ENCODED))
     with tempfile.TemporaryDirectory() as folder:
         begin = time.perf_counter()
         encoder.write(Path(folder) / "film.mp4", pictures, film.shot.rate)

@@ -1,4 +1,4 @@
-"""Where the camera is: pictures that hold all robots, from a distance computed from where the robots are."""
+"""Where the camera is: pictures that hold all robots, from a distance that follows from where they are."""
 
 import math
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dynabot_mj.arrays import Array
+from dynabot_mj.simulation import LEADER_W
 from dynabot_mj.video.shot import Shot
 
 _MARGIN = 1.12  # of a frame around what it has to hold
@@ -16,7 +17,7 @@ _ELEVATION = -27.0  # of an orbit [deg]
 # leader: the way between them fills the width of the picture.
 _START, _REVOLUTION = 78.0, 1.5
 _CHASE_DISTANCE, _CHASE_ELEVATION, _CHASE_AHEAD = 3.2, -18.0, 0.6  # [m], [deg]; before the robot [m]
-_CHASE_LAG = 0.8  # by which the camera's azimuth follows the robot's heading [s of film]
+_CHASE_LAG = 0.8  # by which the camera's azimuth follows the leader's, seen from the robot [s of film]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +50,10 @@ def lens(shot: Shot, fovy: float) -> tuple[float, float]:
 
 
 def framing(points_w: Array, azimuth: float, elevation: float, slopes: tuple[float, float]) -> View:
-    """Returns the nearest view from a direction that holds all points, (P, 3) [m], with a margin around them."""
+    """Returns a view from a direction that holds all points, (P, 3) [m], with a margin around them.
+
+    It is aimed at the middle of what it holds, and as near as that allows: one of them is at the margin.
+    """
     right, up, forward = _axes(azimuth, elevation)
     ahead = np.array([math.cos(math.radians(azimuth)), math.sin(math.radians(azimuth)), 0.0])
     lookat_w, distance = np.zeros(3), 0.0
@@ -75,7 +79,7 @@ def framing(points_w: Array, azimuth: float, elevation: float, slopes: tuple[flo
 
 
 def chase(position_w: Array, azimuth: float, slopes: tuple[float, float]) -> View:
-    """Returns the view from behind a robot, (2,) [m], that looks along an azimuth [deg]."""
+    """Returns the view over a robot, (2,) [m], along an azimuth [deg]."""
     angle = math.radians(azimuth)
     ahead = position_w + _CHASE_AHEAD * np.array([math.cos(angle), math.sin(angle)])
     return View(
@@ -88,27 +92,33 @@ def chase(position_w: Array, azimuth: float, slopes: tuple[float, float]) -> Vie
     )
 
 
-def views(shot: Shot, fovy: float, held_w: Array, position_w: Array, heading: Array) -> list[View]:
-    """Returns a view for each of K frames.
+class Rig:
+    """A camera that moves as the shot has it."""
 
-    Args:
-        shot: Which camera.
-        fovy: Vertical field of view [deg].
-        held_w: What the picture has to hold, (K, P, 3) [m]; the camera `chase` does not care.
-        position_w: Of the robots, (K, n, 2) [m].
-        heading: Of the robots, (K, n), not wrapped [rad].
-    """
-    slopes = lens(shot, fovy)
-    match shot.camera:
-        case "top":
-            return [framing(points_w, 90.0, -90.0, slopes) for points_w in held_w]
-        case "orbit":
-            turn = _REVOLUTION / shot.rate
-            return [framing(points_w, _START + turn * k, _ELEVATION, slopes) for k, points_w in enumerate(held_w)]
-        case "chase":
-            azimuths = np.degrees(_followed(heading[:, shot.follow], 1.0 / (shot.rate * _CHASE_LAG)))
-            followed_w = position_w[:, shot.follow]
-            return [chase(place, float(azimuth), slopes) for place, azimuth in zip(followed_w, azimuths, strict=True)]
+    def __init__(self, shot: Shot, fovy: float, position_w: Array) -> None:
+        """Takes the way of the robot that it may have to follow.
+
+        Args:
+            shot: Which camera.
+            fovy: Vertical field of view [deg].
+            position_w: Of the robots, (K, n, 2) [m].
+        """
+        self._shot, self._slopes = shot, lens(shot, fovy)
+        self._followed_w = position_w[:, shot.follow]
+        # Over the robot toward the leader, not along its heading: a robot at rest may turn its back on all others.
+        offset_w = LEADER_W - self._followed_w
+        bearing = np.unwrap(np.arctan2(offset_w[:, 1], offset_w[:, 0]))
+        self._azimuth = np.degrees(_followed(bearing, 1.0 / (shot.rate * _CHASE_LAG)))
+
+    def view(self, k: int, held_w: Array) -> View:
+        """Returns the view of frame k; the picture holds the points (P, 3) [m], about which `chase` does not care."""
+        match self._shot.camera:
+            case "top":
+                return framing(held_w, 90.0, -90.0, self._slopes)
+            case "orbit":
+                return framing(held_w, _START + _REVOLUTION * k / self._shot.rate, _ELEVATION, self._slopes)
+            case "chase":
+                return chase(self._followed_w[k], float(self._azimuth[k]), self._slopes)
 
 
 def _followed(values: Array, share: float) -> Array:

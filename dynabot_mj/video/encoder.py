@@ -13,11 +13,16 @@ from dynabot_mj.video.strip import Picture
 SUFFIXES = (".mp4", ".gif")
 
 _QUALITY: dict[str, dict[str, Any]] = {
-    # What browsers play; the index at the file's beginning, so that they need not have all of it to start.
+    # What browsers play; the index at the file's beginning, so that they need not have all of it to start; and colours
+    # by the standard that players take for granted, stated as well.
     ".mp4": {
         "codec": "libx264",
         "pix_fmt_out": "yuv420p",
-        "output_params": ["-crf", "21", "-preset", "veryfast", "-movflags", "+faststart"],
+        "output_params": [
+            *("-crf", "21", "-preset", "veryfast", "-movflags", "+faststart"),
+            *("-vf", "scale=out_color_matrix=bt709:out_range=tv"),
+            *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"),
+        ],
     },
     # A palette for each frame: one for all would have to hold all frames in memory first.
     ".gif": {
@@ -45,12 +50,13 @@ def write(path: Path, pictures: Iterable[Picture], rate: float) -> None:
     partial = path.with_name(f".{path.stem}.partial{path.suffix}")
     try:
         count = _encode(partial, pictures, rate)
-        # The encoder tells neither how it ended nor why; with what it has to say of errors it speaks for itself.
+        # The library tells neither how the encoder ended nor why.
         if not partial.is_file() or imageio_ffmpeg.count_frames_and_secs(str(partial))[0] != count:
-            raise DynabotError(f"the video {path} could not be encoded")
+            raise DynabotError(f"the video could not be encoded whole; is there room in {path.parent}?")
         partial.replace(path)
-    except OSError as error:
-        raise DynabotError(f"the video {path} could not be encoded: {str(error).splitlines()[0]}") from error
+    except (OSError, RuntimeError) as error:  # the pipe breaks; there is no encoder
+        reason = (str(error).strip() or type(error).__name__).splitlines()[0]
+        raise DynabotError(f"the video could not be encoded ({reason}); is there room in {path.parent}?") from error
     finally:
         partial.unlink(missing_ok=True)
 
@@ -63,7 +69,13 @@ def _encode(path: Path, pictures: Iterable[Picture], rate: float) -> int:
             if encoder is None:
                 size = (picture.shape[1], picture.shape[0])
                 encoder = imageio_ffmpeg.write_frames(
-                    str(path), size, fps=rate, macro_block_size=2, ffmpeg_log_level="error", **_QUALITY[path.suffix]
+                    str(path),
+                    size,
+                    fps=rate,
+                    quality=None,
+                    macro_block_size=2,
+                    ffmpeg_log_level="quiet",
+                    **_QUALITY[path.suffix],
                 )
                 encoder.send(None)  # starts it
             encoder.send(np.ascontiguousarray(picture))

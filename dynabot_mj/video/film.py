@@ -7,10 +7,9 @@ import mujoco
 import numpy as np
 
 from dynabot_mj import opengl
-from dynabot_mj.arrays import Array
 from dynabot_mj.simulation import Progress
 from dynabot_mj.stage import Stage
-from dynabot_mj.video import camera
+from dynabot_mj.video.camera import Rig, View
 from dynabot_mj.video.overlays import Overlays, halo_radius
 from dynabot_mj.video.pencil import Pencil
 from dynabot_mj.video.shot import Shot
@@ -19,7 +18,8 @@ from dynabot_mj.video.take import Take
 
 _MOST_GEOMS = 20_000
 _BADGE_HEIGHT = 0.35  # above the ground [m]
-_RING_CORNERS = 16
+_CIRCLE = np.stack([np.cos(np.arange(16) * np.pi / 8.0), np.sin(np.arange(16) * np.pi / 8.0)], axis=-1)
+_CROSS = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
 _WIDEST_ROOM = 4.0  # around each robot for what is believed of it [m]
 
 
@@ -43,12 +43,24 @@ class Film:
         self._overlays = Overlays(what, shot, self._stage.rings)
         self._strip = Strip(what, shot) if "strip" in shot.overlays else None
         self._numbers = Numbers(one.setup.robots, shot.height) if "marks" in shot.overlays else None
-        held_w = _held(what, self._stage.rings[-1][0])
-        self.views = camera.views(shot, float(model.vis.global_.fovy), held_w, one.position_w, one.heading)
+        self._rig = Rig(shot, float(model.vis.global_.fovy), one.position_w)
+        # Beliefs jump about, and a camera that held them would as well: so there is room around the robots for them.
+        spread = np.sqrt(np.nan_to_num(one.covariance[..., [0, 1], [0, 1]]).max())
+        self._room = min(_WIDEST_ROOM, 1.5 * float(spread)) * _CROSS
+        self._ring_w = self._stage.rings[-1][0] * _CIRCLE
+
+    def view(self, k: int) -> View:
+        """Returns where the camera is in a frame."""
+        around_w = self.take.recording.position_w[k][:, None] + self._room
+        held_w = [around_w.reshape(-1, 2), self._ring_w]
+        if self.take.beside is not None:
+            held_w.append(self.take.beside.position_w[k])
+        ground_w = np.concatenate(held_w)
+        return self._rig.view(k, np.concatenate([ground_w, np.zeros((len(ground_w), 1))], axis=1))
 
     def frame(self, k: int) -> Picture:
         """Returns a frame, (height, width, 3); it is overwritten by none."""
-        view, model, data = self.views[k], self._stage.model, self._stage.data
+        view, model, data = self.view(k), self._stage.model, self._stage.data
         self._stage.place(self.take.snapshots[k])
         self._camera.lookat[:], self._camera.distance = view.lookat_w, view.distance
         self._camera.azimuth, self._camera.elevation = view.azimuth, view.elevation
@@ -95,20 +107,3 @@ def opened(what: Take, shot: Shot) -> Iterator[Film]:
             yield film
         finally:
             film.free()
-
-
-def _held(what: Take, ring: float) -> Array:
-    """Returns what a picture of all has to hold, (K, P, 3) [m]: robots, point masses beside, and the outer ring."""
-    angle = 2.0 * np.pi * np.arange(_RING_CORNERS) / _RING_CORNERS
-    corners = ring * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    one = what.recording
-    # Beliefs jump about, and a camera that held them would as well: so there is room around the robots for them.
-    spread = np.sqrt(np.nan_to_num(one.covariance[..., [0, 1], [0, 1]]).max())
-    room = min(_WIDEST_ROOM, 1.5 * float(spread)) * np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
-    around = one.position_w[: what.frames, :, None] + room
-    parts = [around.reshape(what.frames, -1, 2), np.broadcast_to(corners, (what.frames, *corners.shape))]
-    if what.beside is not None:
-        parts.append(what.beside.position_w[: what.frames])
-    ground = np.concatenate(parts, axis=1)
-    ground = np.where(np.isfinite(ground), ground, 0.0)  # of a trial that broke down
-    return np.concatenate([ground, np.zeros((*ground.shape[:2], 1))], axis=-1)

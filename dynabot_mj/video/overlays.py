@@ -20,16 +20,20 @@ from dynabot_mj.video.take import Take
 
 LOST_COLOUR: RGBA = (0.86, 0.05, 0.05, 1.0)  # and a cross half-way: not told by its colour alone
 
-_GRID, _GRID_REACH = 10.0, 90.0  # between two lines, and how far they go [m]
+_GRID, _GRID_REACH = 10.0, 90.0  # between two lines, and how far they go at least [m]
+_GRID_SHARE = 2.0  # of the camera's distance, how far they go
 _GRID_COLOUR: RGBA = (0.62, 0.64, 0.64, 1.0)
 _RING_POINTS = 120
-_FORCE_COLOUR: RGBA = (0.13, 0.16, 0.20, 1.0)
+_FORCE_COLOUR: RGBA = (0.42, 0.10, 0.55, 1.0)
+_FORCE_HEIGHT = 0.2  # of arrows [m]
 _FORCE_SCALE = 50.0  # for a robot whose force has no limit [N]
-_SHADOWS = ((1.25, 0.16), (1.0, 0.30))  # sizes against the hull's, opacities
-_SUN = np.array([-0.10, 0.075])  # where shadows fall, for what is as high as a robot [m]
+_SHADOWS = ((1.1, 0.13), (0.9, 0.25))  # sizes against the hull's, opacities
+_SUN = np.array([-0.06, 0.045])  # where shadows fall, for what is as high as a robot [m]
 _GHOST_OPACITY, _LINK_OPACITY = 0.38, 0.55
-_ARRIVED, _LOST = 0.10, 0.5  # how long a message is shown that has arrived, or was lost [s of film]
-_FULL_FORCE, _HALO, _SHAFT, _LIFT, _LANE = 0.10, 0.011, 0.003, 0.0006, 0.0035  # shares of the camera's distance
+_FEW_LINKS = 6  # more of them are drawn more faintly, or they would hide all else
+_ARRIVED, _LOST = 0.10, 0.5  # how long a message is shown that has arrived, or was lost [s]
+_LONGEST_LATENCY = 1.0  # of messages that are looked for [s]; the longest that was seen is below 0.1 s
+_FULL_FORCE, _HALO, _SHAFT, _LIFT, _LANE = 0.12, 0.011, 0.0035, 0.0006, 0.0035  # shares of the camera's distance
 _SMALLEST_HALO = 0.45  # [m]
 _LEADER_RADIUS = 0.2  # [m]
 _RADIO_HEIGHT = 0.24  # of a robot's antenna [m]
@@ -71,6 +75,8 @@ class Overlays:
         self._hull = (vehicle.length / 2.0, vehicle.breadth / 2.0)
         self._radius = one.setup.collision_distance / 2.0  # of a point mass
         self._rigid = one.case.plant == "rigid"
+        links = one.setup.robots * (one.setup.robots - 1)
+        self._link_opacity = _LINK_OPACITY * math.sqrt(_FEW_LINKS / max(links, _FEW_LINKS))
         limit = scenario.field(one.setup, one.case.estimator).force_limit
         self._full_force = limit if math.isfinite(limit) else _FORCE_SCALE
         angle = 2.0 * np.pi * np.arange(_RING_POINTS + 1) / _RING_POINTS
@@ -96,11 +102,12 @@ class Overlays:
 
     def _ground(self, now: _Moment) -> None:
         """Draws grid, rings, and shadows, which a shadow map would render with stripes all over such a ground."""
-        count = int(_GRID_REACH / _GRID)
+        count = math.ceil(max(_GRID_REACH, _GRID_SHARE * now.view.distance) / _GRID)
+        reach = _GRID * count
         # Around what is looked at: lines that are too far to be seen cost time as well.
         middle = _GRID * np.round(now.view.lookat_w[:2] / _GRID)
         for line in _GRID * np.arange(-count, count + 1):
-            ends = np.array([[-_GRID_REACH, line], [_GRID_REACH, line]])
+            ends = np.array([[-reach, line], [reach, line]])
             for points in (ends, ends[:, ::-1]):
                 now.pencil.path(now.lifted(middle + points, 0.5), _GRID_COLOUR, 1.0)
         for points, colour in self._rings:
@@ -167,33 +174,37 @@ class Overlays:
             now.pencil.ball(np.array([*place_w, self._radius]), self._radius, colour)
 
     def _forces(self, now: _Moment) -> None:
-        """Draws commands as arrows: the largest allowed one is a tenth of the camera's distance long."""
+        """Draws commands as arrows from the hull's edge on; the largest allowed one is as long as the constants say."""
         one = self._take.recording
         for place, force_w in zip(one.position_w[now.k], one.force_w[now.k], strict=True):
             reach = force_w * (_FULL_FORCE * now.view.distance / self._full_force)
-            if np.hypot(*reach) > 4.0 * _SHAFT * now.view.distance:
-                height = 0.3
-                now.pencil.arrow(
-                    np.array([*place, height]),
-                    np.array([*(place + reach), height]),
-                    _FORCE_COLOUR,
-                    _SHAFT * now.view.distance,
-                )
+            length = float(np.hypot(*reach))
+            if length > 3.0 * _SHAFT * now.view.distance:
+                tail = place + reach * (self._radius / length)
+                start_w, end_w = (np.array([*end, _FORCE_HEIGHT]) for end in (tail, tail + reach))
+                now.pencil.arrow(start_w, end_w, _FORCE_COLOUR, _SHAFT * now.view.distance)
 
     def _links(self, now: _Moment) -> None:
-        """Draws messages: as they arrive in their sender's colour, lost ones in red with a cross half-way."""
+        """Draws messages: as they arrive in their sender's colour, lost ones in red with a cross half-way.
+
+        They are shown for a while of the film where it is slow, of the simulation where it is fast, and for a frame at
+        least.
+        """
         one, messages = self._take.recording, self._take.recording.messages
-        time, speed = float(one.time[now.k]), self._shot.speed
-        recent = slice(*np.searchsorted(messages.sent_at, [time - _LOST * speed - 1.0, time + 1e-9]))
+        time = float(one.time[now.k])
+        arrived_for, lost_for = (max(self._shot.interval, x * min(1.0, self._shot.speed)) for x in (_ARRIVED, _LOST))
+        earliest = time - max(arrived_for + _LONGEST_LATENCY, lost_for)
+        recent = slice(*np.searchsorted(messages.sent_at, [earliest, time + 1e-9]))
         sent_at, senders = messages.sent_at[recent], messages.sender[recent]
-        arrived_age = (time - messages.arrives_at[recent]) / speed  # -inf where it never does
-        arrived = (arrived_age >= 0.0) & (arrived_age < _ARRIVED)
-        lost = messages.lost[recent] & (((time - sent_at) / speed) < _LOST)[:, None]
+        age = time - messages.arrives_at[recent]  # since the arrival; -inf where there is none
+        arrived = (age >= 0.0) & (age < arrived_for)
+        lost = messages.lost[recent] & (time - sent_at < lost_for)[:, None]
         place_w = one.position_w[now.k]
-        # One line for each pair, the latest message's; one that was lost meanwhile is seen over it.
-        for shown, is_lost in ((arrived, False), (lost, True)):
-            for sender, receiver in {(int(senders[m]), int(receiver)) for m, receiver in np.argwhere(shown)}:
-                self._link(now, place_w[sender], place_w[receiver], self._colours[sender], is_lost)
+        # One line for each pair and direction, red if anything of it was lost.
+        pairs = {(int(senders[m]), int(receiver)): False for m, receiver in np.argwhere(arrived)}
+        pairs |= {(int(senders[m]), int(receiver)): True for m, receiver in np.argwhere(lost)}
+        for (sender, receiver), is_lost in sorted(pairs.items()):
+            self._link(now, place_w[sender], place_w[receiver], self._colours[sender], is_lost)
 
     def _link(self, now: _Moment, start_w: Array, end_w: Array, colour: RGBA, lost: bool) -> None:
         """Draws a message beside the line between two robots, so that those of both directions are seen."""
@@ -205,7 +216,7 @@ class Overlays:
         lane = _LANE * now.view.distance
         from_w, to_w = (np.array([*(place + lane * aside), _RADIO_HEIGHT]) for place in (start_w, end_w))
         if not lost:
-            now.pencil.line(from_w, to_w, (*colour[:3], _LINK_OPACITY), 2.0)
+            now.pencil.line(from_w, to_w, (*colour[:3], self._link_opacity), 2.0)
             return
         half_w = 0.5 * (from_w + to_w)
         now.pencil.line(from_w, half_w, LOST_COLOUR, 3.0)

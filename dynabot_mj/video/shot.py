@@ -20,7 +20,7 @@ class Shot:
     camera: Camera = "orbit"
     eyes_of: int | None = None  # robot whose beliefs of its neighbours are shown, from 0; None: each one's of itself
     follow: int = 0  # robot that the camera `chase` follows, from 0
-    samples: int = 0  # per pixel, against jagged edges; each takes time
+    samples: int = 0  # per pixel, against jagged edges, as many as the driver has; each takes time
     overlays: frozenset[Overlay] = frozenset(OVERLAYS)
 
     @property
@@ -31,7 +31,7 @@ class Shot:
     @property
     def strip_height(self) -> int:
         """Of the strip below the scene [pixels], even."""
-        return 2 * round(0.055 * self.height) if "strip" in self.overlays else 0
+        return 2 * round(0.5 * min(0.11 * self.height, self.width / 16.0)) if "strip" in self.overlays else 0
 
     @property
     def scene_height(self) -> int:

@@ -56,21 +56,27 @@ class Strip:
             width = max(self._value_font.getlength(widest), self._label_font.getlength(label))
             x += round(width) + self._gap
         self._leader_x = x
-        self._note = ", ".join(
+        room = shot.width - self._gap - x
+        self._note = self._as_room_allows(
             [
-                *(["dashed: point masses"] if what.beside else []),
                 *([f"as robot {shot.eyes_of + 1} believes"] if shot.eyes_of is not None else []),
-                "squares 1 m, lines 10 m",
+                *(["dashed: point masses"] if what.beside else []),
+                *([f"slope {one.setup.vehicle.slope:g}"] if one.setup.vehicle.slope else []),
                 f"speed x{shot.speed:g}",
-            ]
+                f"trial {one.trial}",
+                "squares 1 m, lines 10 m",
+            ],
+            room,
         )
-        self._leader_label = "distance to leader [m]"
+        label = "distance to leader [m]"
+        if self._label_font.getlength(label) + self._label_font.getlength(self._note) + self._gap < room:
+            self._write.text((x, self._y(0.16)), label, _LABEL_COLOUR, self._label_font)
 
     def draw(self, k: int) -> Picture:
         """Returns the strip of a frame, (height, width, 3)."""
         image = self._base.copy()
         pen = ImageDraw.Draw(image)
-        done = (k + 1) / self._take.frames
+        done = self._take.recording.time[k] / self._take.recording.setup.duration
         pen.rectangle((0, 0, self._shot.width, 2), _RULE)
         pen.rectangle((0, 0, round(done * self._shot.width), 2), _DONE_COLOUR)
         for x, changing in self._changing:
@@ -80,14 +86,10 @@ class Strip:
         return np.asarray(image)
 
     def _distances(self, pen: ImageDraw.ImageDraw, k: int) -> None:
-        """Writes each robot's distance to the leader behind its colour, in as much room as there is."""
+        """Writes each robot's distance to the leader [m] behind its colour, as far apart as there is room."""
         right = self._shot.width - self._gap
-        note = "COLLISION" if self._take.collided[k].any() else self._note
-        colour = _ALARM_COLOUR if note != self._note else _LABEL_COLOUR
+        note, colour = ("COLLISION", _ALARM_COLOUR) if self._take.collided[k].any() else (self._note, _LABEL_COLOUR)
         pen.text((right, self._y(0.16)), note, colour, self._label_font, anchor="ra")
-        label_width = self._label_font.getlength(self._leader_label) + self._label_font.getlength(self._note)
-        if self._leader_x + label_width + self._gap < right:
-            pen.text((self._leader_x, self._y(0.16)), self._leader_label, _LABEL_COLOUR, self._label_font)
         one = self._take.recording
         distance = np.hypot(*one.position_w[k].T)
         each = min((right - self._leader_x) // len(distance), round(_NARROW * self._height))
@@ -98,18 +100,23 @@ class Strip:
             pen.ellipse(
                 (x, middle - dot, x + 2 * dot, middle + dot), ROBOT_COLOURS[robot], outline=_VALUE_COLOUR, width=1
             )
-            text = f"{metres:.1f}" if np.isfinite(metres) else "-"
-            pen.text((x + 3 * dot, y), text, _VALUE_COLOUR, self._value_font)
+            pen.text((x + 3 * dot, y), f"{metres:.1f}", _VALUE_COLOUR, self._value_font)
 
     def _time(self, k: int) -> tuple[str, str]:
         return f"{self._take.recording.time[k]:.1f} s", _VALUE_COLOUR
 
     def _closest(self, k: int) -> tuple[str, str]:
-        """Returns the smallest distance of any two robots so far in this frame, alarming where they collide."""
+        """Returns the smallest distance of any two robots since the frame before, alarming where they collide."""
         one = self._take.recording
         closest = float(one.closest[k])
-        alarming = closest < one.setup.collision_distance or bool(one.overlapping[k].any())
+        alarming = bool(one.near[k].any() or one.overlapping[k].any())
         return f"{closest:.2f} m", _ALARM_COLOUR if alarming else _VALUE_COLOUR
+
+    def _as_room_allows(self, parts: list[str], room: float) -> str:
+        """Returns the first of the parts that have room together [pixels]."""
+        while parts and self._label_font.getlength(", ".join(parts)) > room:
+            parts = parts[:-1]
+        return ", ".join(parts)
 
     def _y(self, share: float) -> int:
         return round(share * self._height)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dynabot_mj import playback, recording
-from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.arrays import BoolArray
 from dynabot_mj.recording import Recording
 from dynabot_mj.scenario import Scenario
 from dynabot_mj.simulation import Progress
@@ -17,13 +17,13 @@ _MARKED = 1.0  # how long a collision is marked [s of film]
 
 @dataclass(frozen=True, kw_only=True)
 class Take:
-    """One trial at the times of K frames."""
+    """One trial at the times of its frames, and at its end, K in all."""
 
     recording: Recording
     beside: Recording | None  # the same trial with point masses
-    frames: int  # K; the trial's end is not shown, so that the film is as long as the trial
-    snapshots: list[Snapshot]  # at least K
-    beside_snapshots: list[Snapshot]
+    frames: int  # of the film, which ends before the trial's end, so that it is as long as the trial
+    snapshots: list[Snapshot]  # K
+    beside_snapshots: list[Snapshot]  # K, or none
     collided: BoolArray  # (K, n) who has just collided
 
 
@@ -51,25 +51,14 @@ def take(setup: Scenario, shot: Shot, beside: bool, progress: Progress = lambda 
         frames=frames,
         snapshots=playback.snapshots(own),
         beside_snapshots=[] if other is None else playback.snapshots(other),
-        collided=_collided(own, round(_MARKED * shot.rate))[:frames],
+        collided=_collided(own, max(1, round(_MARKED * shot.rate))),
     )
 
 
 def _collided(one: Recording, frames: int) -> BoolArray:
-    """Returns who has collided within the latest frames, (K, n): hulls overlapped, or centres were too near."""
-    found = one.overlapping.copy()
-    n = found.shape[1]
-    for k in np.flatnonzero(one.closest < one.setup.collision_distance):
-        pair = np.unravel_index(np.argmin(distances(one.position_w[k])), (n, n))
-        found[k, list(pair)] = True
-    for k in np.flatnonzero(found.any(axis=1))[::-1]:
-        found[k : k + frames] |= found[k]
+    """Returns who has collided within the latest frames, (K, n): hulls have overlapped, or centres were too near."""
+    collided = one.overlapping | one.near
+    found = collided.copy()
+    for k in np.flatnonzero(collided.any(axis=1)):
+        found[k : k + frames] |= collided[k]
     return found
-
-
-def distances(position_w: Array) -> Array:
-    """Returns the distances between robots, (n, n) [m], infinite from each to itself; positions (n, 2) [m]."""
-    offset = position_w[:, None] - position_w[None]
-    apart: Array = np.hypot(offset[..., 0], offset[..., 1])
-    np.fill_diagonal(apart, np.inf)
-    return apart

@@ -30,6 +30,14 @@ def broken(known):
     return np.full_like(known.position_w, np.nan)
 
 
+def failing(known):
+    raise KeyError("gain")
+
+
+def words(known):
+    return "left"
+
+
 number = 3
 """
 
@@ -94,3 +102,29 @@ def test_compare_judges_it(dynabot, laws):
     # Nobody moves, but that rigid robots settle on their tyres.
     assert all(row["top_speed_mps"]["mean"] < 0.05 for row in json.loads(done.stdout)["rows"])
     assert "laws_of_a_user:rest" in (laws / "out" / "compare" / "table.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("law", "told"),
+    [
+        ("failing", r"failed at 1 s: KeyError: 'gain' \(laws_of_a_user\.py, line 22\)"),
+        ("words", r"failed at 1 s: ValueError: could not convert string to float: 'left'"),
+    ],
+)
+def test_a_law_that_fails_is_told_in_one_line(laws, law, told):
+    with pytest.raises(InputError, match=f"controller 'laws_of_a_user:{law}' {told}") as raised:
+        control_laws.build(f"laws_of_a_user:{law}", FIELD)(known())
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("code", "told"), [("def law(", "SyntaxError"), ("1 / 0", "ZeroDivisionError: division by zero")]
+)
+def test_a_module_that_cannot_be_imported_is_told_in_one_line(tmp_path, monkeypatch, code, told):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    name = f"broken_{told[:4].lower()}"
+    (tmp_path / f"{name}.py").write_text(code)
+    with pytest.raises(InputError, match=f"controller '{name}:law' cannot be imported: {told}") as raised:
+        control_laws.build(f"{name}:law", FIELD)
+    assert "\n" not in str(raised.value)

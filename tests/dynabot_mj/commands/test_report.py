@@ -72,3 +72,22 @@ def test_a_study_of_another_vehicle_has_no_figures_over_time(dynabot, results):
     study.save(changed, results / "study.nc")
     assert dynabot("report", results).returncode == 0
     assert "the file of its model has changed since the study" in (results / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda saved: saved.drop_attrs(), "is not as it was saved: it has no configuration"),
+        (lambda saved: saved.drop_vars("settling"), "has no settling, which a report needs; run it again"),
+        (
+            lambda saved: saved.isel(case=[0]),
+            "not as it was saved: configured are the cases particle/gauss-markov/gps,",
+        ),
+    ],
+)
+def test_a_study_that_was_edited_is_told_in_one_line(dynabot, dataset, tmp_path, change, told):
+    study.save(change(dataset), tmp_path / "study.nc")
+    done = dynabot("report", tmp_path)
+    assert done.returncode == 2
+    assert told in done.stderr
+    assert done.stderr.count("\n") == 1

@@ -70,9 +70,9 @@ def test_a_saved_trial_is_filmed_as_the_study_ran_it(dynabot, dataset, tmp_path)
 
 @drawn
 def test_a_still_is_the_frame_of_its_instant(dynabot, tmp_path):
-    line = ["video", "--plant", "particle", "--duration", "3", *SMALL]
+    line = ["video", "--plant", "particle", "--duration", "3", "--size", "480x272"]
+    assert dynabot(*line, "--rate", "10", "--out", tmp_path / "a.mp4").returncode == 0
     assert dynabot(*line, "--still", "2", "--out", tmp_path / "a.png").returncode == 0
-    assert dynabot(*line, "--out", tmp_path / "a.mp4").returncode == 0
     still = imageio.imread(tmp_path / "a.png").astype(int)
     frame = imageio.imread(tmp_path / "a.mp4", plugin="FFMPEG", index=20).astype(int)
     assert still.shape == frame.shape == (272, 480, 3)
@@ -80,13 +80,23 @@ def test_a_still_is_the_frame_of_its_instant(dynabot, tmp_path):
 
 
 @drawn
+@pytest.mark.parametrize(("instant", "at"), [("0", 0.0), ("0.01", 0.0), ("1.2345", 1.2345), ("3", 3.0)])
+def test_a_still_is_of_the_instant_that_was_asked_for(dynabot, tmp_path, instant, at):
+    line = ["video", "--plant", "particle", "--duration", "3", "--size", "480x272", "--still", instant, "--json"]
+    done = dynabot(*line, "--out", tmp_path / "a.png")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["time_s"] == pytest.approx(at, abs=1e-9)
+
+
+@drawn
 def test_ctrl_c_while_it_is_drawn_is_one_line_and_leaves_nothing(command, tmp_path):
     line = [command, "video", "--duration", "80", "--out", str(tmp_path / "a.mp4")]
-    # A session of its own, so that the encoder gets the signal as well, as from a terminal.
+    # A session of its own: its group gets the signal, as from a terminal.
     process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
     until = time.monotonic() + 120.0
     while not list(tmp_path.iterdir()) and time.monotonic() < until:
         time.sleep(0.05)
+    assert [file.name for file in tmp_path.iterdir()] == [".a.partial.mp4"]
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=60)
     assert process.returncode == 1
@@ -158,7 +168,8 @@ def test_a_back_end_that_is_not_there_keeps_nothing_but_pictures(command, tmp_pa
     assert done.stderr.startswith(f"dynabot: {told}")
     assert done.stderr.count("\n") == 1
     assert not (tmp_path / "out").exists() or list((tmp_path / "out").iterdir()) == []
-    assert run("schedule").returncode == 0
+    line = ["--trials", "2", "--duration", "1", "--plants", "particle", "--workers", "2", "--out", tmp_path / "c"]
+    assert run("compare", *line).returncode == 0
     done = run("doctor")
     assert done.returncode == 1
     assert f"MUJOCO_GL={asked}" in done.stdout
@@ -181,20 +192,31 @@ def test_the_environments_pictures_need_no_display_either():
     ("options", "told"),
     [
         (["--out", "a.avi"], "--out a.avi given, it must be a file whose name ends with .mp4 or .gif"),
-        (["--out", "."], "--out . given, it must be a file whose name ends with .mp4 or .gif"),
+        (["--out", "."], "--out . given, it is a folder"),
         (["--still", "1", "--out", "a.mp4"], "--out a.mp4 given, it must be a file whose name ends with .png"),
         (["--still", "-1"], "--still -1 given, the trial lasts from 0 to 80 s"),
         (["--still", "nan"], "--still nan given, the trial lasts from 0 to 80 s"),
-        (["--speed", "0"], "--speed 0 given, allowed are 0.01 to 100"),
-        (["--speed", "nan"], "--speed nan given, allowed are 0.01 to 100"),
-        (["--speed", "100", "--duration", "2"], "--speed 100 given, a trial of 2 s is a single frame then"),
-        (["--rate", "1000"], "--rate 1000 given, allowed are 1 to 120"),
+        (["--speed", "0"], "--speed 0 given, allowed are 0.01 to 100 for .mp4"),
+        (["--speed", "nan"], "--speed nan given, allowed are 0.01 to 100 for .mp4"),
+        (
+            ["--speed", "100", "--duration", "2"],
+            "a trial of 2 s at --speed 100 and --rate 30 is a single frame; --still makes one",
+        ),
+        (["--rate", "1000"], "--rate 1000 given, allowed are 1 to 120 for .mp4"),
+        (["--rate", "60", "--out", "a.gif"], "--rate 60 given, allowed are 1 to 50 for .gif"),
+        (["--rate", "60", "--still", "1"], "--rate given with --still, which is one picture"),
         (["--eyes-of", "4"], "--eyes-of 4 given, the robots are 1 to 3"),
         (["--eyes-of", "1", "--hide", "beliefs"], "--eyes-of given with --hide beliefs, which hides what it shows"),
         (["--follow", "1"], "--follow given with --camera orbit; it is the camera chase that follows a robot"),
-        (["--beside", "particle", "--plant", "particle"], "--beside particle given, but it is the plant that is shown"),
-        (["--size", "721x500"], "argument --size: '721x500' given, it must be e.g. 1280x720: even numbers from 160 to"),
-        (["--size", "large"], "argument --size: 'large' given, it must be e.g. 1280x720: even numbers from 160 to"),
+        (
+            ["--beside", "particle", "--plant", "particle"],
+            "--beside particle given with --plant particle",
+        ),
+        (
+            ["--size", "721x500"],
+            "argument --size: '721x500' given, it must be e.g. 1280x720: even",
+        ),
+        (["--size", "large"], "argument --size: 'large' given, it must be e.g. 1280x720: even numbers from 480x270"),
     ],
 )
 def test_bad_input_is_told_in_one_line(dynabot, options, told, tmp_path):

@@ -37,7 +37,7 @@ def test_what_is_held_is_in_the_middle_of_the_picture():
 
 def test_the_map_has_north_up():
     points_w = on_the_ground([[-10.0, 0.0], [10.0, 0.0], [0.0, 5.0]])
-    view = camera.views(Shot(camera="top"), FOVY, points_w[None], points_w[None, :, :2], np.zeros((1, 3)))[0]
+    view = camera.Rig(Shot(camera="top"), FOVY, points_w[None, :, :2]).view(0, points_w)
     where, _ = view.project(np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
     origin, _ = view.project(np.zeros(3))
     east, north = where - origin
@@ -51,23 +51,27 @@ def test_an_orbit_turns_by_the_films_time_not_by_the_simulations():
     points_w = np.zeros((61, 3, 3))
     turned = []
     for shot in (Shot(rate=30.0), Shot(rate=60.0), Shot(rate=30.0, speed=5.0)):
-        seen = camera.views(shot, FOVY, points_w, points_w[..., :2], np.zeros((61, 3)))
-        turned.append((seen[-1].azimuth - seen[0].azimuth) * shot.rate / 60.0)
+        rig = camera.Rig(shot, FOVY, points_w[..., :2])
+        turned.append((rig.view(60, points_w[60]).azimuth - rig.view(0, points_w[0]).azimuth) * shot.rate / 60.0)
     np.testing.assert_allclose(turned, turned[0])
     assert turned[0] > 0.0
 
 
-def test_a_chase_is_behind_its_robot_and_follows_its_heading_with_a_lag():
+def test_a_chase_looks_over_its_robot_toward_the_leader_and_follows_with_a_lag():
     shot = Shot(camera="chase", follow=1)
-    heading = np.zeros((90, 3))
-    heading[30:, 1] = 1.0  # it turns at once
-    position_w = np.tile(np.array([[0.0, 0.0], [7.0, 3.0], [20.0, 0.0]]), (90, 1, 1))
-    seen = camera.views(shot, FOVY, np.zeros((90, 1, 3)), position_w, heading)
+    position_w = np.tile(np.array([[0.0, 9.0], [-7.0, 0.0], [20.0, 0.0]]), (90, 1, 1))
+    position_w[30:, 1] = [0.0, -7.0]  # the leader is north of it at once, and was east before
+    rig = camera.Rig(shot, FOVY, position_w)
+    seen = [rig.view(k, np.zeros((1, 3))) for k in range(90)]
     azimuths = np.radians([view.azimuth for view in seen])
     assert azimuths[29] == 0.0
     # After its time constant of 0.8 s, here 24 steps, a first-order lag has done 1 - exp(-1) of the turn; in steps it
     # is 1 - (1 - 1/24)^24, which is 0.008 more.
-    assert azimuths[30 + 23] == pytest.approx(1.0 - np.exp(-1.0), abs=0.01)
-    where, depth = seen[0].project(np.array([7.0, 3.0, 0.1]))
-    assert np.abs(where).max() < 0.5
-    assert depth < 4.0
+    assert azimuths[30 + 23] / (np.pi / 2.0) == pytest.approx(1.0 - np.exp(-1.0), abs=0.01)
+    for k, place in ((0, [-7.0, 0.0, 0.1]), (89, [0.0, -7.0, 0.1])):
+        (right, up), depth = seen[k].project(np.array(place))
+        assert max(abs(right), abs(up)) < 0.5
+        assert depth < 4.0
+        leader, beyond = seen[k].project(np.zeros(3))
+        assert np.abs(leader).max() < 1.0
+        assert beyond > depth

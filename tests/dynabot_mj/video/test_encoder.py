@@ -25,7 +25,7 @@ def test_a_video_has_its_frames_its_rate_and_the_codec_that_browsers_play(tmp_pa
     encoder.write(path, bars(20), 10.0)
     about = imageio.immeta(path, plugin="FFMPEG")
     assert about["codec"] == "h264"
-    assert about["pix_fmt"].startswith("yuv420p")
+    assert about["pix_fmt"].startswith("yuv420p(tv, bt709")  # the colours that players take for granted
     assert about["size"] == (96, 64)
     assert about["fps"] == 10.0
     assert about["duration"] == pytest.approx(2.0)
@@ -66,7 +66,7 @@ def test_what_is_interrupted_leaves_nothing_and_the_earlier_file(tmp_path):
 
 def test_an_encoder_that_fails_is_told_in_one_line(tmp_path, monkeypatch):
     monkeypatch.setitem(encoder._QUALITY[".mp4"], "codec", "nonsense")
-    with pytest.raises(DynabotError, match=r"bars\.mp4 could not be encoded") as raised:
+    with pytest.raises(DynabotError, match="the video could not be encoded") as raised:
         encoder.write(tmp_path / "bars.mp4", bars(50), 10.0)
     assert "\n" not in str(raised.value)
     assert list(tmp_path.iterdir()) == []
@@ -76,3 +76,9 @@ def test_an_encoder_that_fails_is_told_in_one_line(tmp_path, monkeypatch):
 def pipes_are_collected_here():
     yield
     gc.collect()
+
+
+def test_without_an_encoder_that_is_told(tmp_path, monkeypatch):
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(tmp_path / "none"))
+    with pytest.raises(DynabotError, match=r"the video could not be encoded \(.*none"):
+        encoder.write(tmp_path / "bars.mp4", bars(3), 10.0)

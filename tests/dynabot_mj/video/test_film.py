@@ -39,7 +39,7 @@ def test_a_frame_is_a_picture_of_the_size_asked_for(taken):
 def test_robots_are_where_the_camera_says(taken, camera):
     shot = replace(Shot(**SMALL), overlays=frozenset({"marks"}), camera=camera)
     with film.opened(taken, shot) as drawn:
-        seen, view = drawn.frame(K).astype(int), drawn.views[K]
+        seen, view = drawn.frame(K).astype(int), drawn.view(K)
     for robot, place in enumerate(taken.recording.position_w[K]):
         (right, up), depth = view.project(np.array([*place, 0.1]))
         if depth < 0.0 or max(abs(right), abs(up)) > 0.9:
@@ -123,6 +123,36 @@ def test_a_message_flashes_when_it_arrives_and_a_lost_one_is_red(taken):
     )
 
 
+@pytest.mark.parametrize(("speed", "arrived_s", "lost_s"), [(0.1, 0.01, 0.05), (1.0, 0.1, 0.5), (10.0, 1.0, 1.0)])
+def test_messages_are_shown_for_a_while_of_film_or_simulation(taken, speed, arrived_s, lost_s):
+    """Slowed down for 0.1 and 0.5 s of film, quickened for as much of the simulation, but for a frame at least."""
+
+    def seen(age, lost):
+        time = taken.recording.time[K]
+        what = with_messages(taken, arrives_at=np.inf if lost else time - age, lost=lost)
+        sent_at = np.array([time - age - 0.3 * (not lost)])  # the slowest of messages
+        messages = replace(what.recording.messages, sent_at=sent_at)
+        shown = picture(
+            replace(what, recording=replace(what.recording, messages=messages)), speed=speed, only={"links"}
+        )
+        return bool((np.abs(shown - quiet) > 15).any())
+
+    quiet = picture(with_messages(taken, arrives_at=np.inf, lost=False), speed=speed, only={"links"})
+    assert seen(0.9 * arrived_s, lost=False)
+    assert not seen(1.1 * arrived_s, lost=False)
+    assert seen(0.9 * lost_s, lost=True)
+    assert not seen(1.1 * lost_s, lost=True)
+
+
+def test_a_lost_message_is_red_on_its_senders_half(taken):
+    with film.opened(taken, replace(Shot(**SMALL), overlays=frozenset({"links"}), camera="top")) as drawn:
+        places, _ = drawn.view(K).project(np.c_[taken.recording.position_w[K], np.full(3, 0.24)])
+    lost = picture(with_messages(taken, arrives_at=np.inf, lost=True), only={"links"}, camera="top")
+    rows, columns = np.nonzero(red(lost))
+    middle = np.array([columns.mean() / 240.0 - 1.0, 1.0 - rows.mean() / 136.0])
+    assert np.hypot(*(middle - places[0])) < np.hypot(*(middle - places[2]))
+
+
 def test_collisions_are_red(taken):
     collided = taken.collided.copy()
     collided[K, 1] = True
@@ -146,20 +176,24 @@ def test_an_ellipse_has_the_size_that_the_robot_believes(taken):
     """Drawn alone on the map, its extent is that of one standard deviation."""
     one = replace(taken.recording, believed_w=taken.recording.believed_w.copy())
     covariance = np.full_like(one.covariance, np.nan)
-    covariance[K] = np.diag([4.0, 0.25])
+    turn = np.array([[np.cos(0.5), -np.sin(0.5)], [np.sin(0.5), np.cos(0.5)]])
+    covariance[K] = turn @ np.diag([4.0, 0.25]) @ turn.T
     one.believed_w[K, 1:] = np.nan
     widened = replace(taken, recording=replace(one, covariance=covariance), beside=None)
     shot = replace(Shot(width=1280, height=720), overlays=frozenset({"beliefs"}), camera="top")
     with film.opened(widened, shot) as drawn:
-        seen, view = drawn.frame(K).astype(int), drawn.views[K]
+        seen, view = drawn.frame(K).astype(int), drawn.view(K)
     unknown = replace(widened.recording, believed_w=one.believed_w * np.nan)
     with film.opened(replace(widened, recording=unknown), shot) as drawn:
         bare = drawn.frame(K).astype(int)
     rows, columns = np.nonzero(np.abs(seen - bare).max(axis=-1) > 15)
     pixel = 2.0 * view.slope_x * view.distance / 1280  # [m], at the ground
-    # Drawn 2 % nearer to the camera, and a line is 2 pixels wide.
-    assert np.ptp(columns) * pixel == pytest.approx(4.0, rel=0.04, abs=3 * pixel)
-    assert np.ptp(rows) * pixel == pytest.approx(1.0, rel=0.04, abs=3 * pixel)
+    # An ellipse reaches to the square roots of the variances along the axes. It is drawn 2 % nearer to the camera than
+    # the ground, and a line is 2 pixels wide.
+    along_x, along_y = np.sqrt(np.diag(covariance[K, 0]))
+    assert np.ptp(columns) * pixel == pytest.approx(2.0 * along_x, rel=0.04, abs=3 * pixel)
+    assert np.ptp(rows) * pixel == pytest.approx(2.0 * along_y, rel=0.04, abs=3 * pixel)
+    assert np.corrcoef(columns, -rows)[0, 1] > 0.5  # its long axis points up to the right
 
 
 def test_arrows_point_where_the_command_does(taken):
@@ -178,11 +212,32 @@ def test_arrows_point_where_the_command_does(taken):
     assert north[1] > east[1] + 3
 
 
-def test_a_trial_that_broke_down_is_drawn_to_its_end(taken):
+def test_ghosts_and_their_ellipses_have_room_in_the_picture(taken):
+    """Their distances are Rayleigh distributed: 1.5 deviations per axis hold two thirds of them at the very edge."""
     one = taken.recording
-    position_w = one.position_w.copy()
-    position_w[K:, 1] = np.nan
-    picture(replace(taken, recording=replace(one, position_w=position_w)))
+    with film.opened(taken, replace(Shot(**SMALL), camera="top")) as drawn:
+        places = [drawn.view(k).project(np.c_[one.believed_w[k], np.zeros(3)])[0] for k in range(0, 40, 4)]
+    assert np.abs(places).max() < 1.1
+    with film.opened(taken, replace(Shot(**SMALL), camera="top")) as drawn:
+        spread = np.sqrt(one.covariance[K, 0, 0, 0])
+        beyond = one.position_w[K] + np.array([[0.0, 1.5 * spread]])
+        held, _ = drawn.view(K).project(np.c_[beyond, np.zeros(3)])
+    assert np.abs(held).max() <= 1.0
+
+
+def test_what_is_behind_a_camera_that_chases_has_no_number(taken):
+    one = taken.recording
+    behind = one.position_w.copy()
+    ahead = -one.position_w[0, 0] / np.hypot(*one.position_w[0, 0])  # toward the leader
+    behind[:, 1] = behind[0, 0] - 9.0 * ahead
+    behind[:, 2] = behind[0, 0] - 9.5 * ahead
+    behind[:, 0] = behind[0, 0]
+    alone = replace(taken, recording=replace(one, position_w=behind), beside=None)
+    shots = {"camera": "chase", "only": {"marks"}}
+    seen = picture(alone, 0, **shots)
+    for colour in ROBOT_COLOURS[1:3]:
+        assert not alike(seen, colour).any()
+    assert alike(seen, ROBOT_COLOURS[0]).any()
 
 
 def test_point_masses_alone_are_spheres(setup):

@@ -19,16 +19,40 @@ def test_it_is_as_large_as_told_and_its_text_as_large_as_can_be_read(taken):
 
 
 def test_nothing_is_written_beyond_its_edge(taken):
-    for shot in (SHOT, replace(SHOT, width=640, height=360), replace(SHOT, width=480, height=272)):
+    for width, height in ((1280, 720), (640, 360), (640, 480), (480, 270), (720, 1280)):
+        shot = replace(SHOT, width=width, height=height, eyes_of=0)
         seen = Strip(taken, shot).draw(3)[4:]
         assert (seen[:, -4:].max(axis=-1) < 60).all()
+        assert (seen[-2:].max(axis=-1) < 60).all()
+
+
+def test_texts_do_not_meet(taken):
+    """Between the last column of the left and what is written on the right there is a gap, at any size."""
+    for width, height in ((1280, 720), (640, 480), (480, 270), (720, 1280)):
+        drawn = Strip(taken, replace(SHOT, width=width, height=height, eyes_of=0))
+        labels = drawn.draw(3)[4 : round(0.42 * drawn._height)].max(axis=-1) > 90
+        left, right = labels[:, : drawn._leader_x], labels[:, drawn._leader_x :]
+        assert not left[:, -drawn._gap // 2 :].any()
+        assert right.any()
 
 
 def test_what_changes_is_written_anew(taken):
+    """Time, the smallest distance, and each robot's to the leader, each in its place."""
+    one = taken.recording
     drawn = Strip(taken, SHOT)
-    first, same, later = drawn.draw(0), drawn.draw(0), drawn.draw(30)
+    first, same = drawn.draw(30), drawn.draw(30)
     np.testing.assert_array_equal(first, same)
-    assert (first != later).any(axis=-1).sum() > 100
+    time, closest = (x for x, _ in drawn._changing)
+    changes = {
+        time: replace(one, time=one.time + 2.0),
+        closest: replace(one, closest=one.closest + 2.0),
+        drawn._leader_x: replace(one, position_w=one.position_w + 7.0),
+    }
+    for x, changed in changes.items():
+        columns = np.flatnonzero(
+            (first[4:] != Strip(replace(taken, recording=changed), SHOT).draw(30)[4:]).any(axis=(0, 2))
+        )
+        assert x <= columns.min() < x + 90
 
 
 def test_a_collision_is_written(taken):

@@ -34,19 +34,25 @@ def test_progress_goes_on_from_the_first_recording_to_the_second(setup):
     assert shares[-1] == pytest.approx(1.0)
 
 
-def test_collisions_are_marked_for_a_second_of_film(taken):
-    one = taken.recording
-    overlapping, closest = np.zeros_like(one.overlapping), np.full_like(one.closest, 3.0)
-    overlapping[5, 2] = True
-    closest[20] = one.setup.collision_distance - 0.01  # whose pair are those that are nearest to each other then
-    found = take._collided(replace(one, overlapping=overlapping, closest=closest), 10)
-    pair = np.unravel_index(np.argmin(take.distances(one.position_w[20])), (3, 3))
+@pytest.mark.parametrize("speed", [1.0, 4.0])
+def test_collisions_are_marked_for_a_second_of_film(setup, monkeypatch, speed):
+    """Robot 3's hull overlapped another at frame 0, and the centres of the others were too near at frame 2."""
+    original = recording.record
+
+    def record(*arguments):
+        one = original(*arguments)
+        overlapping, near = np.zeros_like(one.overlapping), np.zeros_like(one.near)
+        overlapping[0, 2] = near[2, :2] = True
+        return replace(one, overlapping=overlapping, near=near)
+
+    monkeypatch.setattr(recording, "record", record)
+    found = take.take(setup, Shot(rate=5.0, speed=speed), beside=False).collided
     expected = np.zeros_like(found)
-    expected[5:15, 2] = True
-    expected[20:30, list(pair)] = True
+    expected[:5, 2] = True
+    expected[2:7, :2] = True  # at speed 4 the film ends before
     np.testing.assert_array_equal(found, expected)
 
 
 def test_nobody_has_collided_in_a_trial_without_collisions(taken):
-    assert taken.recording.closest.min() > taken.recording.setup.collision_distance
+    assert not taken.recording.near.any()
     assert not taken.collided.any()
