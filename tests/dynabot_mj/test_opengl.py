@@ -111,7 +111,5 @@ def test_a_context_of_nothing_is_none(monkeypatch):
     monkeypatch.setattr(
         opengl.importlib, "import_module", lambda name: types.SimpleNamespace(GLContext=ContextOfNothing)
     )
-    with pytest.raises(
-        GraphicsError, match=r"glfw does not work \(no display\): unset MUJOCO_GL, or log in to"
-    ):
+    with pytest.raises(GraphicsError, match=r"glfw does not work \(no display\): unset MUJOCO_GL, or log in to"):
         opengl.context(64, 48).__enter__()

@@ -3,7 +3,7 @@ import pytest
 
 from controllers import gains
 from dynabot_mj import scene
-from dynabot_mj.plants import FleetState
+from dynabot_mj.plants import FleetState, NavigationError
 from dynabot_mj.plants.local_laws import Drivers, LocalLaws, along
 
 TUNED = gains.load("tuned")
@@ -26,9 +26,17 @@ def drivers(**options):
     return Drivers(laws, scene.read_robot().vehicle, state(0.0))
 
 
-def drive(driver, state, force, wheel_speed=0.0):
-    speed, torque = driver.drive(np.array([[force]]), state, np.zeros((1, 1)), np.full((1, 1, 4), wheel_speed), PERIOD)
+def drive(driver, state, force, wheel_speed=0.0, error=None, spin=0.0):
+    wheel_speeds = np.full((1, 1, 4), wheel_speed)
+    speed, torque = driver.drive(np.array([[force]]), state, np.full((1, 1), spin), wheel_speeds, PERIOD, error)
     return speed[0, 0], torque[0, 0]
+
+
+def navigation_error(heading=0.0, yaw_rate=0.0, acceleration=None):
+    acceleration_b = None if acceleration is None else np.array([[acceleration]])
+    return NavigationError(
+        heading=np.full((1, 1), heading), yaw_rate=np.full((1, 1), yaw_rate), acceleration_b=acceleration_b
+    )
 
 
 def test_a_force_ahead_turns_all_wheels_alike_and_ahead():
@@ -62,3 +70,47 @@ def test_with_true_sensing_odometry_does_not_matter():
 
 def test_along_is_the_forward_speed():
     assert along(np.array([3.0, 4.0]), np.array(np.pi / 2.0)) == pytest.approx(4.0)
+
+
+def test_the_heading_that_laws_steer_by_is_the_believed_one():
+    quarter = np.pi / 2.0
+    believed = drive(drivers(), state(0.0), (20.0, 0.0), error=navigation_error(heading=quarter))
+    true = drive(drivers(), state(0.0, heading=quarter), (20.0, 0.0))
+    np.testing.assert_allclose(believed, true)
+
+
+def test_the_yaw_rate_that_laws_correct_is_the_gyros():
+    measured, _ = drive(drivers(), state(0.0), (20.0, 0.0), spin=0.3, error=navigation_error(yaw_rate=0.2))
+    turning_as_fast, _ = drive(drivers(), state(0.0), (20.0, 0.0), spin=0.5)
+    turning_slower, _ = drive(drivers(), state(0.0), (20.0, 0.0), spin=0.3)
+    np.testing.assert_allclose(measured, turning_as_fast)
+    assert np.abs(measured - turning_slower).max() > 0.01
+
+
+def test_odometry_feels_the_accelerometers_error_on_the_way_that_the_robot_turned_meanwhile():
+    """Its error of 1 m/s^2 ahead, in a turn with 2 rad/s that a gyro is off by, is felt along the heading half-way."""
+    driver, error = drivers(), navigation_error(yaw_rate=2.0, acceleration=(1.0, 0.0))
+    drive(driver, state(0.0), (0.0, 0.0), error=error)
+    drive(driver, state(PERIOD), (0.0, 0.0), error=error, spin=2.0)
+    half_way = -0.5 * PERIOD * (2.0 + 2.0)
+    ahead, left = driver.odometry_w[0, 0]
+    felt = PERIOD * np.array([np.cos(half_way), np.sin(half_way)])
+    # Wheels at rest and a robot that is not thought to slide sideways pull each part toward zero, left no more than so.
+    assert 0.0 < ahead < felt[0]
+    assert felt[1] <= left < 0.0
+    undisturbed = drivers()
+    drive(undisturbed, state(0.0), (0.0, 0.0))
+    drive(undisturbed, state(PERIOD), (0.0, 0.0), spin=2.0)
+    np.testing.assert_array_equal(undisturbed.odometry_w, 0.0)
+
+
+def test_real_wheels_are_read_with_their_resolution():
+    def odometry(wheel_speed, error):
+        driver = drivers(wheel_resolution=0.5)
+        drive(driver, state(0.0), (0.0, 0.0), error=error)
+        drive(driver, state(PERIOD), (0.0, 0.0), wheel_speed=wheel_speed, error=error)
+        return driver.odometry_w[0, 0, 0]
+
+    real = navigation_error()
+    assert odometry(1.1, real) == odometry(1.0, real)
+    assert odometry(1.1, None) > odometry(1.0, None)
