@@ -8,12 +8,12 @@ from matplotlib.markers import MarkerStyle
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
+from dynabot_mj import names
 from dynabot_mj.arrays import Array
 from dynabot_mj.colours import METHOD_COLOURS
 from dynabot_mj.experiments import circle
 from dynabot_mj.experiments.circle import Chunk, Outcome
 from dynabot_mj.figures import STYLE
-from dynabot_mj.names import METHOD_NAMES
 from estimation.build import NAMES, Name
 from estimation.measurements import rotation, wrap
 
@@ -38,7 +38,9 @@ def paths(outcome: Outcome) -> Figure:
         figure, axes = plt.subplots(*arrangement, figsize=size, sharex=True, sharey=True, layout="constrained")
         for axis, name, letter in zip(axes, NAMES, "abc", strict=True):
             farthest = _draw_paths(axis, outcome, name)
-            axis.set_title(f"({letter}) {_title(name)}" + (f": {farthest:.2f} m" if np.isfinite(farthest) else ""))
+            axis.set_title(
+                f"({letter}) {names.method(name)}" + (f": {farthest:.2f} m" if np.isfinite(farthest) else "")
+            )
             if along:
                 axis.set_ylabel("across [m]")
             else:
@@ -63,7 +65,7 @@ def errors(outcome: Outcome) -> Figure:
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(3, 3, figsize=(14.0, 7.6), sharex=True, sharey="row", layout="constrained")
         for column, name in zip(axes.T, NAMES, strict=True):
-            column[0].set_title(_title(name))
+            column[0].set_title(names.method(name))
             for axis, (wrong, deviation) in zip(column, _errors(chunk, name), strict=True):
                 _draw_error(axis, chunk.truth.time, wrong, deviation, METHOD_COLOURS[name])
             column[-1].set(xlabel="time [s]", xlim=(0.0, chunk.truth.time[-1]))
@@ -154,10 +156,6 @@ def _slimness(outcome: Outcome) -> float:
     places = [track.position_w[track.known[:, _RUN], _RUN] for track in chunk.tracks.values()]
     width, height = np.ptp(np.concatenate([*places, chunk.truth.position_w[:, _RUN]]), axis=0)
     return float(np.clip(height / width, 0.3, 1.5))
-
-
-def _title(name: Name) -> str:
-    return METHOD_NAMES[name]
 
 
 def _caption(outcome: Outcome) -> str:

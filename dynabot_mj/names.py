@@ -12,3 +12,8 @@ PERCEPTION_NAMES = {
     "fitted": "fitted error",
 }
 PLANT_NAMES = {"particle": "point masses", "rigid": "rigid bodies"}
+
+
+def method(estimator: str, perception: str | None = None) -> str:
+    """Returns a method's name with that of its perception, where one is given."""
+    return f"{METHOD_NAMES[estimator]}, {PERCEPTION_NAMES[perception]}" if perception else METHOD_NAMES[estimator]

@@ -11,11 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 from numpy.lib.stride_tricks import sliding_window_view
 
-from dynabot_mj import scenario
+from dynabot_mj import names, scenario
 from dynabot_mj.arrays import Array
 from dynabot_mj.colours import METHOD_COLOURS, ROBOT_COLOURS
 from dynabot_mj.figures import STYLE
-from dynabot_mj.names import METHOD_NAMES, PERCEPTION_NAMES, PLANT_NAMES
 from dynabot_mj.recording import Recording
 
 _MEAN = "#111111"
@@ -170,7 +169,4 @@ def _running(time: Array, values: Array) -> tuple[Array, Array, Array]:
 def _title(recording: Recording, several: bool) -> str:
     """Returns a panel's title, with the perception where there are several."""
     case = recording.case
-    parts = [METHOD_NAMES[case.estimator]]
-    if case.perception is not None and several:
-        parts.append(PERCEPTION_NAMES[case.perception])
-    return ", ".join([*parts, PLANT_NAMES[case.plant]])
+    return f"{names.method(case.estimator, case.perception if several else None)}, {names.PLANT_NAMES[case.plant]}"

@@ -10,13 +10,12 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from dynabot_mj import configuration
+from dynabot_mj import configuration, names
 from dynabot_mj.arrays import Array
 from dynabot_mj.colours import METHOD_COLOURS, PERCEPTION_COLOURS
 from dynabot_mj.experiments import compare
 from dynabot_mj.experiments.compare import Paired
 from dynabot_mj.figures import STYLE
-from dynabot_mj.names import METHOD_NAMES, PERCEPTION_NAMES, PLANT_NAMES
 
 _LINES = {"rigid": "-", "particle": (0, (3.0, 1.4))}
 # Of `compare.PAIRED_METRICS`: what is written above a panel, and by what its values are multiplied.
@@ -119,10 +118,10 @@ def _panels(study: xr.Dataset, draw: Callable[..., str], across: str, up: str) -
                 plant, perception = str(case.plant.item()), str(case.perception.item())
                 several = len(perceptions) > 1
                 colour = PERCEPTION_COLOURS[perception] if several else METHOD_COLOURS[estimator]
-                name = f"{PLANT_NAMES[plant]}, {PERCEPTION_NAMES[perception]}" if several else PLANT_NAMES[plant]
+                name = names.PLANT_NAMES[plant] + f", {names.PERCEPTION_NAMES[perception]}" * several
                 counted = draw(axis, case, color=colour, linestyle=_LINES[plant], linewidth=1.7)
                 axis.lines[-1].set_label(f"{name}: {counted}")
-            axis.set_title(METHOD_NAMES[estimator])
+            axis.set_title(names.METHOD_NAMES[estimator])
             axis.xaxis.set_tick_params(labelbottom=True)
             axis.set_xlabel(across)
             axis.legend(fontsize=8.5, loc="upper left", bbox_to_anchor=(-0.02, -0.2), handlelength=2.8)
@@ -154,5 +153,4 @@ def _interval(axis: Axes, place: int, one: Paired, scale: float) -> None:
 def _case_name(case: str, several: bool) -> str:
     """Returns the method's name, with its perception where there are several."""
     *perception, estimator = case.split("/")
-    name = METHOD_NAMES[estimator]
-    return f"{name}, {PERCEPTION_NAMES[perception[0]]}" if perception and several else name
+    return names.method(estimator, perception[0] if perception and several else None)

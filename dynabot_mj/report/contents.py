@@ -9,10 +9,9 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dynabot_mj import estimation_figures, figures, recording_figures, study_figures
+from dynabot_mj import estimation_figures, figures, names, recording_figures, study_figures
 from dynabot_mj.experiments import circle_report, compare, in_loop
 from dynabot_mj.experiments.circle import Outcome
-from dynabot_mj.names import METHOD_NAMES, PERCEPTION_NAMES
 from dynabot_mj.recording import Recording
 from dynabot_mj.report import csv_tables, page, svg
 from dynabot_mj.report.page import Section
@@ -126,7 +125,7 @@ def _paths(study: xr.Dataset) -> Section:
         _figure(
             figures.trajectories(study, estimator, perception),
             "-".join(["paths", estimator, *([perception] if perception else [])]),
-            f"Whole paths above, the end near the leader below: {_method(estimator, perception)}.",
+            f"Whole paths above, the end near the leader below: {names.method(estimator, perception)}.",
         )
         for estimator, perception in shown
     ]
@@ -197,10 +196,5 @@ def _figure(drawn: Figure, name: str, caption: str) -> str:
     return page.figure(svg.inline(drawn, name, caption), caption)
 
 
-def _downloads(tables: Mapping[str, str], *names: str) -> str:
-    return page.downloads({name: tables[name] for name in names})
-
-
-def _method(estimator: str, perception: str) -> str:
-    name = METHOD_NAMES[estimator]
-    return f"{name}, {PERCEPTION_NAMES[perception]}" if perception else name
+def _downloads(tables: Mapping[str, str], *files: str) -> str:
+    return page.downloads({name: tables[name] for name in files})

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from dynabot_mj import configuration, opengl, recording, scenario
+from dynabot_mj import configuration, names, opengl, recording, scenario
 from dynabot_mj.errors import DynabotError
 from dynabot_mj.experiments import circle
-from dynabot_mj.names import METHOD_NAMES, PERCEPTION_NAMES
 from dynabot_mj.recording import Recording
 from dynabot_mj.report.contents import Material
 from dynabot_mj.scenario import Scenario
@@ -102,8 +101,8 @@ def _clip(recordings: Sequence[Recording], progress: Progress) -> tuple[bytes | 
             content = path.read_bytes()
     except DynabotError as error:
         return None, f"There is no film: {error}."
-    parts = [METHOD_NAMES[chosen.case.estimator]]
-    if chosen.case.perception:
-        parts.append(PERCEPTION_NAMES[chosen.case.perception])
-    shown = f"Trial {chosen.trial}, {', '.join(parts)}, {_SHOT.speed:g} times as fast."
-    return content, f"{shown} Translucent: where each robot believes to be, and one standard deviation around it."
+    case = names.method(chosen.case.estimator, chosen.case.perception)
+    return content, (
+        f"Trial {chosen.trial}, {case}, {_SHOT.speed:g} times as fast. Translucent: where each robot believes to be, "
+        "and one standard deviation per axis around it."
+    )
