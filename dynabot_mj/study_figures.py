@@ -118,7 +118,9 @@ def _panels(study: xr.Dataset, draw: Callable[..., str], across: str, up: str) -
                 plant, perception = str(case.plant.item()), str(case.perception.item())
                 several = len(perceptions) > 1
                 colour = PERCEPTION_COLOURS[perception] if several else METHOD_COLOURS[estimator]
-                name = names.PLANT_NAMES[plant] + f", {names.PERCEPTION_NAMES[perception]}" * several
+                name = names.PLANT_NAMES[plant]
+                if several:
+                    name += f", {names.PERCEPTION_NAMES[perception]}"
                 counted = draw(axis, case, color=colour, linestyle=_LINES[plant], linewidth=1.7)
                 axis.lines[-1].set_label(f"{name}: {counted}")
             axis.set_title(names.METHOD_NAMES[estimator])
