@@ -96,7 +96,8 @@ def text(checks: Sequence[Check]) -> str:
         return "\n".join(table)
     width = max(len(check.name) for check in mended)
     advice = [f"{check.name.ljust(width)}  {check.mend}" for check in mended]
-    return "\n".join([*table, "", "To mend (what is needed says NO above):", *advice])
+    title = "To mend (what is needed says NO above):" if failures(checks) else "Nothing more is needed. Optional:"
+    return "\n".join([*table, "", title, *advice])
 
 
 def _backend(name: str) -> Check:

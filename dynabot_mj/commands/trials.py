@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -105,7 +106,7 @@ def _single(options: argparse.Namespace) -> Any:
 
 def _reproduced(options: argparse.Namespace) -> Any:
     """Builds the configuration of one trial of a saved study."""
-    from dynabot_mj import configuration, scenario
+    from dynabot_mj import configuration, execution, scenario
 
     others = {name: name for name in ("config", "plant", "estimator", "perception", "trial", *studies.SCIENCE)}
     others["implementation"] = "filters"
@@ -127,4 +128,6 @@ def _reproduced(options: argparse.Namespace) -> Any:
         raise InputError(
             f"the {name} {getattr(setup.vehicle, name, setup.controller)!r} of {path} has changed since that study"
         )
+    if (then := saved.attrs.get("versions")) != (now := execution.versions()):
+        print(f"dynabot: that study was run by {then}, this is {now}: the trial may differ", file=sys.stderr)
     return scenario.one_trial(setup, label, number)

@@ -46,6 +46,8 @@ def view(options: argparse.Namespace) -> None:
             snapshots = playback.live(setup, screen, clock)
         if snapshots is not None:
             playback.replay(snapshots, screen, clock)
+    except KeyboardInterrupt:  # the way to end it, as it says
+        pass
     finally:
         screen.close()
 

@@ -2,6 +2,7 @@ import json
 import tomllib
 
 from controllers import gains
+from dynabot_mj import study
 
 
 def test_run_prints_one_row_and_reproduces_a_trial_of_a_study(dynabot, tmp_path):
@@ -57,3 +58,13 @@ def test_a_trial_is_reproduced_only_with_the_gains_of_its_study(dynabot, tmp_pat
     done = dynabot(*reproduce)
     assert done.returncode == 2
     assert "it must be a gain file or one of" in done.stderr
+
+
+def test_a_study_of_other_versions_is_repeated_with_a_warning(dynabot, dataset, tmp_path):
+    study.save(dataset.assign_attrs(versions="dynabot-mj 0.0.1"), tmp_path / "study.nc")
+    done = dynabot("run", "--reproduce", f"{tmp_path}:particle/gauss-markov/gps:0", "--out", tmp_path / "a")
+    assert done.returncode == 0
+    assert done.stderr.startswith("dynabot: that study was run by dynabot-mj 0.0.1, this is dynabot-mj ")
+    study.save(dataset, tmp_path / "study.nc")
+    done = dynabot("run", "--reproduce", f"{tmp_path}:particle/gauss-markov/gps:0", "--out", tmp_path / "a")
+    assert "that study" not in done.stderr

@@ -52,9 +52,8 @@ def test_the_page_comes_to_this_machine_alone_and_ends_with_ctrl_c(serve, how):
     with connect(f"ws://{parts.netloc}", subprotocols=[protocol], compression=None, max_size=None) as link:
         assert len(link.recv(timeout=60)) > 0
     out, err = interrupt(process)
-    assert process.returncode == 1
-    assert out == ""  # the one line with the address was all
-    assert err == "dynabot: interrupted\n"
+    assert process.returncode == 0
+    assert (out, err) == ("", "")  # the one line with the address was all
 
 
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="chromium is missing: apt install chromium")
