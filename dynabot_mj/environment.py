@@ -32,7 +32,7 @@ from dm_env import specs
 from controllers import potential_field
 from controllers.law import Information
 from controllers.potential_field import Well
-from dynabot_mj import configuration, opengl, scenario, scene, simulation
+from dynabot_mj import assembly, configuration, opengl, scenario, scene
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.errors import InputError
 from dynabot_mj.fleet_physics import FleetPhysics
@@ -140,9 +140,9 @@ class FormationTask(control.Task):
         """Starts the next trial."""
         self._trial += 1
         trials, setup = [self._trial], self._setup
-        physics.place(*simulation.starts(setup, trials))
+        physics.place(*assembly.starts(setup, trials))
         period = scenario.periods(setup, self._case.estimator)[0] * setup.processor.tick
-        self._perception = simulation.make_perception(setup, self._case, period, trials, physics.state)
+        self._perception = assembly.perception(setup, self._case, period, trials, physics.state)
         self._radio = Radio(scenario.link(setup, self._case.estimator), setup.robots, setup.seed, trials)
         self._everybody = np.ones((1, setup.robots), dtype=bool)
 
@@ -156,7 +156,7 @@ class FormationTask(control.Task):
     def get_observation(self, physics: FleetPhysics) -> dict[str, Array]:
         """Returns what is seen of the robots; with `heard`, they sample and broadcast now."""
         state = physics.state
-        common = {"time": np.array(state.time), "leader": simulation.LEADER_W.copy()}
+        common = {"time": np.array(state.time), "leader": assembly.LEADER_W.copy()}
         motion = {"heading": _wrapped(state.heading[0]), "yaw_rate": state.yaw_rate[0]}
         if self._observation == "truth":
             return {**common, "position": state.position_w[0], "velocity": state.velocity_w[0], **motion}
@@ -179,7 +179,7 @@ class FormationTask(control.Task):
         if physics.touched:
             return 0.0
         # In plain numbers: of so few robots, arrays take several times as long.
-        places = (physics.state.position_w[0] - simulation.LEADER_W).tolist()
+        places = (physics.state.position_w[0] - assembly.LEADER_W).tolist()
         around = sorted(places, key=lambda place: math.atan2(place[1], place[0]))
         sides = [math.dist(*ends) for ends in itertools.pairwise([*around, around[0]])]
         distances = [math.hypot(*place) for place in places]

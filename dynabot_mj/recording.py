@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dynabot_mj import scenario, scene
+from dynabot_mj import assembly, scenario, scene
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.metrics import Formation, footprints_touch, interpolate
 from dynabot_mj.plants import FleetState
 from dynabot_mj.plants.rigid_body import tyre_slip
 from dynabot_mj.scenario import Case, Scenario
-from dynabot_mj.simulation import Event, Progress, make_formation, simulate
+from dynabot_mj.simulation import Event, Progress, simulate
 
 IntArray = npt.NDArray[np.int64]
 
@@ -70,7 +70,7 @@ class _Recorder:
     def __init__(self, setup: Scenario, case: Case, interval: float) -> None:
         self._setup, self._case = setup, case
         self._vehicle = scene.read_robot(scenario.conditions(setup)).vehicle
-        self._formation: Formation = make_formation(setup, case, scenario.field(setup, case.estimator))
+        self._formation: Formation = assembly.formation(setup, case, scenario.field(setup, case.estimator))
         self._first, self._second = np.triu_indices(setup.robots, 1)
         count = int(setup.duration / interval + 1e-9) + 1
         self._time = interval * np.arange(count, dtype=np.float64)

@@ -12,31 +12,16 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from controllers import potential_field
 from controllers.law import Information
-from dynabot_mj import control_laws, scenario, scene
+from dynabot_mj import assembly, control_laws, scenario
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.error_statistics import ErrorRecorder, ErrorStatistics
-from dynabot_mj.filter_perception import FilterPerception
-from dynabot_mj.metrics import Formation, Scorer, Scores, interpolate
-from dynabot_mj.perception import (
-    Belief,
-    FittedPerception,
-    GaussMarkovPerception,
-    Perception,
-    PerfectPerception,
-    certain,
-)
-from dynabot_mj.plants import FleetState, Plant
-from dynabot_mj.plants.particle import ParticlePlant
-from dynabot_mj.plants.rigid_body import RigidBodyPlant
+from dynabot_mj.metrics import Scorer, Scores, interpolate
+from dynabot_mj.perception import Belief, certain
+from dynabot_mj.plants import FleetState
 from dynabot_mj.radio import Heard, Message, Radio
 from dynabot_mj.scenario import Case, Scenario
-from dynabot_mj.streams import Purpose, generators
-from dynabot_mj.testbed import SETTLING_SHARE
-from estimation.build import build
 
-LEADER_W = np.zeros(2)  # the leader's position, known to every robot exactly and at once [m]
 TRAJECTORY_INTERVAL = 0.1  # between the recorded positions [s]
 
 Progress = Callable[[float], None]  # told the share of the work that is done
@@ -136,17 +121,17 @@ def simulate(
     tick = setup.processor.tick
     sample_ticks, control_ticks = scenario.periods(setup, case.estimator)
     duration_ticks = round(setup.duration / tick)
-    position_w, heading = starts(setup, trials)
+    position_w, heading = assembly.starts(setup, trials)
     if phase is None:
         phase = np.zeros(setup.robots, dtype=np.int64)
     clocks = Clocks(sample_ticks=sample_ticks, control_ticks=control_ticks, phase=phase)
-    plant = make_plant(setup, case, position_w, heading, trials, threads)
-    perception = make_perception(setup, case, sample_ticks * tick, trials, plant.state)
-    velocity = _velocity(setup, case, plant)
+    plant = assembly.plant(setup, case, position_w, heading, trials, threads)
+    perception = assembly.perception(setup, case, sample_ticks * tick, trials, plant.state)
+    velocity = assembly.velocity(setup, case, plant)
     radio = Radio(scenario.link(setup, case.estimator), setup.robots, setup.seed, trials)
     field = scenario.field(setup, case.estimator)
     law = control_laws.build(setup.controller, field)
-    scorer = Scorer(make_formation(setup, case, field), LEADER_W, plant.state, duration_ticks * tick)
+    scorer = Scorer(assembly.formation(setup, case, field), assembly.LEADER_W, plant.state, duration_ticks * tick)
     recorder = _Recorder(plant.state, recorded, duration_ticks * tick)
     errors = ErrorRecorder(sample_ticks * tick, heading.shape)
     nobody = np.zeros(heading.shape, dtype=bool)
@@ -178,7 +163,7 @@ def simulate(
                     time=now * tick,
                     position_w=belief.position_w,
                     velocity_w=belief.velocity_w,
-                    leader_w=LEADER_W,
+                    leader_w=assembly.LEADER_W,
                     heard_position_w=heard.position_w,
                     heard_known=heard.known,
                     heard_age=age,
@@ -214,113 +199,6 @@ def simulate(
         final_heading=plant.state.heading,
         time=recorder.times,
         trajectory_w=recorder.trajectory_w,
-    )
-
-
-def starts(setup: Scenario, trials: Sequence[int]) -> tuple[Array, Array]:
-    """Returns where the robots start: a regular polygon turned at random, its centroid left of the leader.
-
-    Args:
-        setup: The study's configuration.
-        trials: Numbers of the trials, length B.
-
-    Returns:
-        Positions, (B, n, 2) [m], and headings, (B, n) [rad].
-    """
-    n, options = setup.robots, setup.start
-    turn = np.array([g.random() for g in generators(setup.seed, trials, Purpose.START)]) * 2.0 * np.pi
-    corner = turn[:, None] + 2.0 * np.pi * np.arange(n) / n
-    radius = potential_field.polygon_circumradius(options.spacing, n)
-    centroid_w = LEADER_W - np.array([options.distance, 0.0])
-    position_w = centroid_w + radius * np.stack([np.cos(corner), np.sin(corner)], axis=-1)
-    if options.headings == "leader":
-        to_leader = LEADER_W - position_w
-        return position_w, np.arctan2(to_leader[..., 1], to_leader[..., 0])
-    uniform = np.array([g.random(n) for g in generators(setup.seed, trials, Purpose.HEADING)])
-    return position_w, (2.0 * uniform - 1.0) * np.pi
-
-
-def make_plant(
-    setup: Scenario, case: Case, position_w: Array, heading: Array, trials: Sequence[int], threads: int = 1
-) -> Plant:
-    """Builds the robots of some trials of a case; see `starts` for their places and headings."""
-    match case.plant:
-        case "particle":
-            return ParticlePlant(scenario.mass(setup), position_w, heading)
-        case "rigid":
-            return RigidBodyPlant(
-                position_w,
-                heading,
-                scenario.laws(setup, real_sensors=case.perception in ("filter", "fitted")),
-                conditions=scenario.conditions(setup),
-                friction=scenario.friction(setup, trials),
-                threads=threads,
-            )
-
-
-def make_perception(
-    setup: Scenario, case: Case, sample_period: float, trials: Sequence[int], start: FleetState
-) -> Perception:
-    """Builds what tells the robots of some trials of a case about themselves; `start` is their state at time 0."""
-    match case.perception:
-        case None:
-            return PerfectPerception()
-        case "gauss-markov":
-            return GaussMarkovPerception(
-                scenario.method(setup, case.estimator).uncertainty,
-                setup.surrogate.correlation_time,
-                sample_period,
-                setup.robots,
-                setup.seed,
-                trials,
-            )
-        case "filter":
-            estimator = build(
-                scenario.filter_name(case), start.heading.shape, setup.filter, setup.filter.implementation
-            )
-            return FilterPerception(
-                estimator,
-                setup.sensors,
-                sample_period,
-                setup.seed,
-                trials,
-                start,
-                alignment=setup.filter.alignment,
-                uphill=setup.vehicle.slope if case.plant == "rigid" else 0.0,
-            )
-        case "fitted":
-            error = scenario.fitted(setup, case.estimator)
-            return FittedPerception(
-                error.position, error.velocity, error.heading, sample_period, setup.robots, setup.seed, trials
-            )
-
-
-def _velocity(setup: Scenario, case: Case, plant: Plant) -> Callable[[Belief], Array]:
-    """Returns where the velocity of the dissipation comes from, at a sample."""
-    match scenario.velocity(setup, case):
-        case "truth":
-            return lambda fresh: plant.state.velocity_w
-        case "odometry":
-            return lambda fresh: plant.odometry_w
-        case "reference":
-            return lambda fresh: plant.reference_w
-        case _:
-            return lambda fresh: fresh.velocity_w
-
-
-def make_formation(setup: Scenario, case: Case, field: potential_field.PotentialField) -> Formation:
-    """Builds what the trials of a case are judged against."""
-    vehicle = scene.read_robot(scenario.conditions(setup)).vehicle
-    return Formation(
-        well_radius=field.leader.radius,
-        spacing=field.neighbour.radius,
-        width=setup.field.width,
-        settling_band=SETTLING_SHARE * setup.start.distance,
-        tolerance=scenario.method(setup, case.estimator).uncertainty,
-        collision_distance=setup.collision_distance,
-        # Bodies are pushed apart from there on; bare hulls would touch only in hard collisions.
-        length=vehicle.length + 2.0 * vehicle.margin,
-        breadth=vehicle.breadth + 2.0 * vehicle.margin,
     )
 
 

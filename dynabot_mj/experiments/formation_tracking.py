@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from controllers import potential_field
-from dynabot_mj import scenario, simulation
+from dynabot_mj import assembly, scenario
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.metrics import Scorer, Scores
 from dynabot_mj.plants import Plant
@@ -40,15 +40,15 @@ def follow(setup: Scenario, trials: range) -> FormationTracking:
         setup: The study's configuration, whose method `perfect` gives gains and period.
         trials: Their numbers.
     """
-    position_w, heading = simulation.starts(setup, trials)
+    position_w, heading = assembly.starts(setup, trials)
     period = scenario.periods(setup, "perfect")[1] * setup.processor.tick
     field = scenario.field(setup, "perfect")
-    rigid = simulation.make_plant(setup, _RIGID, position_w, heading, trials)
-    particle = simulation.make_plant(setup, _PARTICLE, position_w, heading, trials)
+    rigid = assembly.plant(setup, _RIGID, position_w, heading, trials)
+    particle = assembly.plant(setup, _PARTICLE, position_w, heading, trials)
     assert isinstance(rigid, RigidBodyPlant)
     count = math.ceil(setup.duration / period - 1e-9)
-    formation = simulation.make_formation(setup, _RIGID, field)
-    scorers = [Scorer(formation, simulation.LEADER_W, one.state, count * period) for one in (rigid, particle)]
+    formation = assembly.formation(setup, _RIGID, field)
+    scorers = [Scorer(formation, assembly.LEADER_W, one.state, count * period) for one in (rigid, particle)]
     seconds = int((count - 1) * period) + 1
     squares, events = np.zeros((2, seconds)), np.zeros(seconds)
     yaw_path = np.zeros(heading.shape)
@@ -87,7 +87,7 @@ def _advance(plant: Plant, scorer: Scorer, field: potential_field.PotentialField
     neighbours_w = np.broadcast_to(state.position_w[:, None], (len(state.heading), n, n, 2))
     known = np.broadcast_to(~np.eye(n, dtype=bool), (len(state.heading), n, n))
     force_w = potential_field.total_force(
-        state.position_w, state.velocity_w, simulation.LEADER_W, neighbours_w, known, field
+        state.position_w, state.velocity_w, assembly.LEADER_W, neighbours_w, known, field
     )
     scorer.control(state)
     for look in plant.step(force_w, period):

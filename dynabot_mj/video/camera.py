@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dynabot_mj.arrays import Array
-from dynabot_mj.simulation import LEADER_W
+from dynabot_mj.assembly import LEADER_W
 from dynabot_mj.video.shot import Shot
 
 _MARGIN = 1.12  # of a frame around what it has to hold

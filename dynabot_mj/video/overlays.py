@@ -11,8 +11,8 @@ import numpy as np
 
 from dynabot_mj import scenario, scene, stage
 from dynabot_mj.arrays import Array
+from dynabot_mj.assembly import LEADER_W
 from dynabot_mj.colours import ROBOT_COLOURS, rgb
-from dynabot_mj.simulation import LEADER_W
 from dynabot_mj.video.camera import View
 from dynabot_mj.video.pencil import RGBA, Pencil
 from dynabot_mj.video.shot import Shot

@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 
-from dynabot_mj import configuration, scenario, simulation
+from dynabot_mj import assembly, configuration, scenario, simulation
+from dynabot_mj.assembly import starts
 from dynabot_mj.scenario import Case, Scenario
-from dynabot_mj.simulation import Clocks, simulate, starts
+from dynabot_mj.simulation import Clocks, simulate
 
 
 def case(plant, estimator, perception="gauss-markov"):
@@ -145,7 +146,7 @@ def test_the_command_is_held_for_the_control_period(monkeypatch):
 
 def test_footprints_are_the_hulls_with_their_margin_and_the_method_sets_the_tolerance():
     setup = Scenario()
-    shape = simulation.make_formation(setup, case("particle", "gps"), scenario.field(setup, "gps"))
+    shape = assembly.formation(setup, case("particle", "gps"), scenario.field(setup, "gps"))
     assert (shape.length, shape.breadth, shape.tolerance, shape.settling_band) == pytest.approx((0.52, 0.51, 3.5, 0.5))
 
 
