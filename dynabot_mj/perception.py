@@ -5,7 +5,7 @@ One protocol, an implementation per kind of belief; the loop cannot tell which i
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -31,6 +31,8 @@ class Belief:
 
     def renewed(self, fresh: "Belief", due: BoolArray) -> "Belief":
         """Returns this belief with that of the robots that are due, (B, n), replaced by a fresh one."""
+        if due.all():  # as at every sample of robots that share a clock
+            return fresh
         return Belief(
             position_w=np.where(due[..., None], fresh.position_w, self.position_w),
             velocity_w=np.where(due[..., None], fresh.velocity_w, self.velocity_w),
@@ -41,23 +43,23 @@ class Belief:
         )
 
 
-def certain(position_w: Array, velocity_w: Array) -> Belief:
-    """Returns the belief of robots that know where they are, (B, n, 2) each [m], [m/s]."""
+def certain(position_w: Array, velocity_w: Array, variance: float = 0.0) -> Belief:
+    """Returns the belief of robots that know their state, or how wrong their positions are.
+
+    Args:
+        position_w: (B, n, 2) [m].
+        velocity_w: (B, n, 2) [m/s].
+        variance: Of the positions' errors, per axis [m^2].
+    """
     shape = position_w.shape[:2]
     return Belief(
         position_w=position_w,
         velocity_w=velocity_w,
-        position_covariance=np.zeros((*shape, 2, 2)),
+        position_covariance=np.broadcast_to(variance * np.eye(2), (*shape, 2, 2)),
         known=np.ones(shape, dtype=bool),
         stale=np.zeros(shape, dtype=bool),
         restarts=np.zeros(shape, dtype=np.int64),
     )
-
-
-def _off_by(belief: Belief, variance: float) -> Belief:
-    """Returns a belief whose robots know how wrong their positions are, per axis [m^2]."""
-    covariance = np.broadcast_to(variance * np.eye(2), belief.position_covariance.shape)
-    return replace(belief, position_covariance=covariance)
 
 
 class Perception(Protocol):
@@ -165,7 +167,7 @@ class GaussMarkovPerception(_Ideal):
 
     def observe(self, state: FleetState, due: BoolArray) -> Belief:
         """Returns the true state with the position off by the errors of this sample."""
-        return _off_by(certain(state.position_w + self._error.next(due), state.velocity_w), self._variance)
+        return certain(state.position_w + self._error.next(due), state.velocity_w, self._variance)
 
 
 class FittedPerception:
@@ -209,8 +211,8 @@ class FittedPerception:
     def observe(self, state: FleetState, due: BoolArray) -> Belief:
         """Returns the true state with the errors of this sample."""
         self._heading_error = self._heading.next(due)
-        belief = certain(state.position_w + self._position.next(due), state.velocity_w + self._velocity.next(due))
-        return _off_by(belief, self._variance)
+        position_w = state.position_w + self._position.next(due)
+        return certain(position_w, state.velocity_w + self._velocity.next(due), self._variance)
 
     def look(self, state: FleetState) -> None:
         """Nothing is sensed between samples."""

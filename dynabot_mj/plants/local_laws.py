@@ -85,8 +85,8 @@ class Drivers:
         laws = self._laws
         facing, speed, yaw_rate = self._sense(state, spin, wheel_speed, error)
         if not laws.on_board:
-            facing, speed = axes.of_heading(state.heading), along(state.velocity_w, state.heading)
-            yaw_rate = state.yaw_rate
+            facing, yaw_rate = axes.of_heading(state.heading), state.yaw_rate
+            speed = dot(components_first(state.velocity_w), facing.forward_w)
         self._reference, motion = steering.steer(
             self._reference,
             components_first(force_w),

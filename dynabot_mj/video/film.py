@@ -59,7 +59,7 @@ class Film:
         return self._rig.view(k, np.concatenate([ground_w, np.zeros((len(ground_w), 1))], axis=1))
 
     def frame(self, k: int) -> Picture:
-        """Returns a frame, (height, width, 3); it is overwritten by none."""
+        """Returns a frame, (height, width, 3), in memory of its own."""
         view, model, data = self.view(k), self._stage.model, self._stage.data
         self._stage.place(self.take.snapshots[k])
         self._camera.lookat[:], self._camera.distance = view.lookat_w, view.distance

@@ -174,7 +174,7 @@ class Overlays:
             now.pencil.ball(np.array([*place_w, self._radius]), self._radius, colour)
 
     def _forces(self, now: _Moment) -> None:
-        """Draws commands as arrows from the hull's edge on; the largest allowed one is as long as the constants say."""
+        """Draws commands as arrows from the hull's edge on; a full one is _FULL_FORCE of the camera's distance long."""
         one = self._take.recording
         for place, force_w in zip(one.position_w[now.k], one.force_w[now.k], strict=True):
             reach = force_w * (_FULL_FORCE * now.view.distance / self._full_force)
