@@ -23,3 +23,8 @@ def to_body(vector_w: Array, heading: Array) -> Array:
 def to_world(vector_b: Array, heading: Array) -> Array:
     """Returns a vector in body axes, (..., 2), in those of the world; see `to_body`."""
     return to_body(vector_b, -heading)
+
+
+def along(vector_w: Array, heading: Array) -> Array:
+    """Returns the part of a vector, (..., 2), that is ahead of a body, (...); see `to_body`."""
+    return vector_w[..., 0] * np.cos(heading) + vector_w[..., 1] * np.sin(heading)

@@ -129,8 +129,3 @@ class Drivers:
         period = state.time - before.time
         felt_b = state.specific_impulse_b - before.specific_impulse_b + period * past.acceleration_b
         return to_world(felt_b, heading - 0.5 * period * (spin + past.yaw_rate))
-
-
-def along(velocity_w: Array, heading: Array) -> Array:
-    """Returns the speed along the heading, (B, n) [m/s]."""
-    return velocity_w[..., 0] * np.cos(heading) + velocity_w[..., 1] * np.sin(heading)

@@ -16,8 +16,9 @@ from controllers import traction
 from controllers.vehicle import Vehicle
 from dynabot_mj import scene
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.frames import along
 from dynabot_mj.plants import LOOK_PERIOD, FleetState, NavigationError, free_joint
-from dynabot_mj.plants.local_laws import Drivers, LocalLaws, along
+from dynabot_mj.plants.local_laws import Drivers, LocalLaws
 
 LOCAL_PERIOD = 0.039  # longest period of the local laws [s]
 PHYSICS_STEP = 0.005  # longest physics step [s]; the contacts behave alike from 0.5 to 5 ms

@@ -4,7 +4,7 @@ import pytest
 from controllers import gains
 from dynabot_mj import scene
 from dynabot_mj.plants import FleetState, NavigationError
-from dynabot_mj.plants.local_laws import Drivers, LocalLaws, along
+from dynabot_mj.plants.local_laws import Drivers, LocalLaws
 
 TUNED = gains.load("tuned")
 PERIOD = 0.03
@@ -66,10 +66,6 @@ def test_with_true_sensing_odometry_does_not_matter():
         return drive(drivers(on_board=on_board), state(0.0, (2.0, 0.0)), (0.0, 0.0))[0]
 
     assert commands(True).mean() < commands(False).mean()
-
-
-def test_along_is_the_forward_speed():
-    assert along(np.array([3.0, 4.0]), np.array(np.pi / 2.0)) == pytest.approx(4.0)
 
 
 def test_the_heading_that_laws_steer_by_is_the_believed_one():
