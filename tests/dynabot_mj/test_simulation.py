@@ -131,12 +131,12 @@ def test_settling_sees_every_control_event_and_the_end(plant, monkeypatch):
 def test_the_command_is_held_for_the_control_period(monkeypatch):
     forces = []
 
-    class Spy(simulation.ParticlePlant):
+    class Spy(assembly.ParticlePlant):
         def step(self, force_w, gap, error=None):
             forces.append((self.state.time, force_w[0, 0, 0]))
             return super().step(force_w, gap, error)
 
-    monkeypatch.setattr(simulation, "ParticlePlant", Spy)
+    monkeypatch.setattr(assembly, "ParticlePlant", Spy)
     setup = configuration.load("[method.gps]\nsample_period = 0.027\ncontrol_period = 0.054", "test", duration=0.54)
     simulate(setup, case("particle", "gps"), [0])
     times, values = np.array(forces).T
@@ -185,7 +185,7 @@ def test_sampled_loop_at_the_wells_wall_is_stable_up_to_the_exact_gain_margin():
 def test_estimation_errors_and_radio_are_the_same_for_both_plants(monkeypatch):
     seen = {}
 
-    class Spy(simulation.GaussMarkovPerception):
+    class Spy(assembly.GaussMarkovPerception):
         def observe(self, state, due):
             belief = super().observe(state, due)
             errors.append(belief.position_w - state.position_w)
@@ -196,7 +196,7 @@ def test_estimation_errors_and_radio_are_the_same_for_both_plants(monkeypatch):
             super().broadcast(position_w, sampled_at, due)
             arrivals.append(self._in_flight[-1].arrives_at)
 
-    monkeypatch.setattr(simulation, "GaussMarkovPerception", Spy)
+    monkeypatch.setattr(assembly, "GaussMarkovPerception", Spy)
     monkeypatch.setattr(simulation, "Radio", RadioSpy)
     for plant in ("particle", "rigid"):
         errors, arrivals = [], []
