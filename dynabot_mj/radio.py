@@ -23,6 +23,10 @@ from dynabot_mj.errors import OutOfFittedRangeError
 from dynabot_mj.streams import Draws, Purpose
 from dynabot_mj.testbed import RADIO_MAX_BYTES, RADIO_MAX_ROBOTS, RADIO_TICK
 
+# A message that arrives with an event is heard at it. Both times are sums of floats, far less apart than this where
+# they are the same: with periods of 13 or 26 ms, multiples of t_k, every tenth such message came a period late.
+_SAME_TIME = 1e-9  # [s]
+
 
 @functools.cache
 def _poisson_distribution(mean: float) -> Array:
@@ -148,11 +152,11 @@ class Radio:
             now: Each receiver's time, (B, n) [s]; it must not go back.
         """
         for message in self._in_flight:
-            arrived = message.arrives_at <= now[..., None]
+            arrived = message.arrives_at <= now[..., None] + _SAME_TIME
             newer = arrived & (message.sampled_at[:, None, :] > self._sampled_at)
             self._sampled_at = np.where(newer, message.sampled_at[:, None, :], self._sampled_at)
             self._position_w = np.where(newer[..., None], message.position_w[:, None], self._position_w)
-        earliest = now.min()
+        earliest = now.min() + _SAME_TIME
         while self._in_flight and not np.any(np.isfinite(a := self._in_flight[0].arrives_at) & (a > earliest)):
             self._in_flight.popleft()
         return Heard(position_w=self._position_w, sampled_at=self._sampled_at, known=self._sampled_at > -np.inf)

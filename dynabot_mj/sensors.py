@@ -78,6 +78,8 @@ class Sensors:
         self._options, self._period = options, sample_period
         self._faults = Faults(options.faults, seed, trials, robots)
         self._imu_draws = Draws(seed, trials, Purpose.IMU, (robots, 10), normal=True)
+        self._tilt_draws = Draws(seed, trials, Purpose.TILT, (robots, 2), normal=True)
+        self._mean_tilt = gauss_markov.period_mean(sample_period, options.ground.unevenness_time)
         self._fix_draws = Draws(seed, trials, Purpose.GPS, (robots + 1, 8), normal=True)
         self._switch_on(
             np.array([g.standard_normal((robots + 1, 22)) for g in generators(seed, trials, Purpose.SWITCH_ON)])
@@ -246,7 +248,7 @@ class Sensors:
             return np.where(due if value.ndim == due.ndim else due[..., None], moved, value)
 
         tilt = drifted(self._tilt, ground.unevenness, ground.unevenness_time, normal[..., :2])
-        leak = GRAVITY * 0.5 * (self._tilt + tilt)
+        leak = GRAVITY * self._mean_tilt.between(self._tilt, tilt, ground.unevenness, self._tilt_draws.next())
         self._tilt = tilt
         self._force_drift = drifted(
             self._force_drift, imu.acceleration_drift, imu.acceleration_drift_time, normal[..., 2:4]

@@ -30,6 +30,7 @@ class Purpose(enum.IntEnum):
     FITTED_POSITION = 10
     FITTED_VELOCITY = 11
     FITTED_HEADING = 12
+    TILT = 13  # of the ground within a sampling period
 
 
 def generators(seed: int, trials: Sequence[int], purpose: Purpose) -> list[np.random.Generator]:

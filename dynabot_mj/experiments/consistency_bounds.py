@@ -22,6 +22,7 @@ from estimation.kalman import Update
 
 CONFIDENCE = 0.99
 LAGS = 10
+TELLING = 1.5  # times the components: an upper bound beyond it cannot tell a right covariance from a wrong one
 
 Kind = Literal["NEES", "NIS"]
 
@@ -40,10 +41,12 @@ class Squares:
 
     @property
     def verdict(self) -> str:
-        """What the mean says of the covariance."""
+        """What the mean says of the covariance, or that the bounds are too wide to tell one that is off by half."""
         if self.mean > self.high:
             return "too small"
-        return "too large" if self.mean < self.low else "consistent"
+        if self.mean < self.low:
+            return "too large"
+        return "consistent" if self.high <= TELLING * self.components else "too few runs to say"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -145,7 +145,7 @@ def markdown(found: Grouping) -> str:
         "Share of each state's variance [%] that each measurement removes per fix period, steady state on the circle,",
         f"mean over {_LAPS} laps of {found.runs} runs:",
         "",
-        *tables.aligned(["state", *MEASUREMENTS, "largest", "times the next"], rows),
+        *tables.aligned(["state", *(f"{name} [%]" for name in MEASUREMENTS), "largest", "times the next"], rows),
         "",
         f"Groups: {_text(found.groups)}: {verdict}.",
     ]

@@ -43,3 +43,13 @@ def test_squares_that_are_too_large_or_too_small_show():
         verdicts = [judge("x", factor * values, 2).verdict for factor in (0.5, 1.0, 2.0)]
         assert verdicts == ["too large", "consistent", "too small"]
     assert consistency_bounds.nis("x", values, 2).inside > 0.95
+
+
+def test_runs_that_are_too_few_to_say_are_said_to_be():
+    """Eight runs whose means scatter from 2 to 100 leave bounds of 10 +- 36: a mean of 46 is within them."""
+    by_run = np.array([2.0, 5.0, 20.0, 40.0, 60.0, 61.0, 80.0, 100.0])
+    judged = consistency_bounds.nees("x", np.broadcast_to(by_run, (50, 8)), 10)
+    assert judged.low < judged.mean == 46.0 < judged.high
+    assert judged.verdict == "too few runs to say"
+    # Eight times as many of the same runs have bounds narrower by a factor of three, and tell.
+    assert consistency_bounds.nees("x", np.tile(by_run, (50, 8)), 10).verdict == "too small"
