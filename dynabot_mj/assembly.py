@@ -71,7 +71,7 @@ def perception(
             return PerfectPerception()
         case "gauss-markov":
             return GaussMarkovPerception(
-                scenario.method(setup, case.estimator).uncertainty,
+                scenario.deviation(setup, case.estimator),
                 setup.surrogate.correlation_time,
                 sample_period,
                 setup.robots,
@@ -125,4 +125,5 @@ def formation(setup: Scenario, case: Case, field: PotentialField) -> Formation:
         # Bodies are pushed apart from there on; bare hulls would touch only in hard collisions.
         length=vehicle.length + 2.0 * vehicle.margin,
         breadth=vehicle.breadth + 2.0 * vehicle.margin,
+        fit=setup.completion.fit,
     )

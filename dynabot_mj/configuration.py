@@ -17,7 +17,18 @@ from pydantic import TypeAdapter, ValidationError
 from controllers.potential_field import polygon_circumradius
 from dynabot_mj import control_laws, filter_parameters, scene, sensor_errors
 from dynabot_mj.errors import InputError, one_line
-from dynabot_mj.scenario import Methods, Scenario, VehicleOptions, conditions, field, laws, mass, method, periods
+from dynabot_mj.scenario import (
+    Methods,
+    Scenario,
+    VehicleOptions,
+    conditions,
+    duration,
+    field,
+    laws,
+    mass,
+    method,
+    periods,
+)
 
 # Rise per metre up to which rigid robots with real accelerometers keep to their forces; they ran away from 0.053 on.
 _STEEPEST = 0.04
@@ -110,9 +121,9 @@ def check(setup: Scenario) -> None:
     for estimator in setup.estimators:
         _, control_ticks = periods(setup, estimator)
         control_period = control_ticks * setup.processor.tick
-        if setup.duration < control_period:
+        if duration(setup) < control_period:
             raise InputError(
-                f"duration = {setup.duration:g} s given, it must be at least the control period of {estimator}, "
+                f"duration = {duration(setup):g} s given, it must be at least the control period of {estimator}, "
                 f"{control_period:g} s"
             )
         uncertainty = method(setup, estimator).uncertainty
@@ -134,6 +145,14 @@ def check(setup: Scenario) -> None:
             f"start.spacing = {start.spacing:g} m given, it must be beyond the collision distance, "
             f"{setup.collision_distance:g} m"
         )
+    vehicle = scene.read_robot(conditions(setup)).vehicle
+    # Robots that are turned at random must not start with their hulls in each other: one would be thrown on its back.
+    diagonal = math.hypot(vehicle.length + 2.0 * vehicle.margin, vehicle.breadth + 2.0 * vehicle.margin)
+    if "rigid" in setup.plants and start.spacing <= diagonal:
+        raise InputError(
+            f"start.spacing = {start.spacing:g} m given; with the rigid plant it must be beyond the diagonal of a "
+            f"robot's footprint, {diagonal:.3g} m"
+        )
     farthest = start.distance + polygon_circumradius(start.spacing, setup.robots)
     if farthest >= setup.field.leader_range:
         raise InputError(
@@ -145,13 +164,16 @@ def check(setup: Scenario) -> None:
     if isinstance(setup.vehicle.friction, tuple) and setup.vehicle.friction[0] > setup.vehicle.friction[1]:
         low, high = setup.vehicle.friction
         raise InputError(f"vehicle.friction = {low:g}..{high:g} given, the first must not be above the second")
-    rigid_mass = scene.read_robot(conditions(setup)).vehicle.mass
+    if setup.vehicle.slope != 0.0 and "rigid" not in setup.plants:
+        raise InputError(
+            f"vehicle.slope = {setup.vehicle.slope:g} given with the plant particle alone, which knows no ground"
+        )
     laws(setup)
     # The same mass, so that the body is all that differs.
-    if "rigid" in setup.plants and abs(mass(setup) - rigid_mass) > 1e-6:
+    if "rigid" in setup.plants and abs(mass(setup) - vehicle.mass) > 1e-6:
         raise InputError(
             f"mass = {setup.mass:g} kg given; with the rigid plant it must be the model's and its payload, "
-            f"{rigid_mass:g} kg"
+            f"{vehicle.mass:g} kg"
         )
 
 

@@ -80,7 +80,7 @@ def load(
     period = scenario.periods(setup, estimator)[1] * setup.processor.tick
     physics = FleetPhysics.from_model(wrapper.MjModel(scene.compose(robots).compile()))
     physics.equip(setup, period)
-    count = math.ceil(setup.duration / period - 1e-9)
+    count = math.ceil(scenario.duration(setup) / period - 1e-9)
     return FormationEnvironment(
         physics,
         FormationTask(setup, case, action, observation),

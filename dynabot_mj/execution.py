@@ -68,7 +68,7 @@ class _Chunk:
         events = 1e3 / scenario.periods(self.setup, self.case.estimator)[1]
         if self.case.perception == "filter":
             per_trial += 1e-5 * events * self.setup.robots
-        return self.setup.duration * (len(self.trials) * per_trial + events * 3e-4)
+        return scenario.duration(self.setup) * (len(self.trials) * per_trial + events * 3e-4)
 
 
 @dataclass

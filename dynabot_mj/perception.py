@@ -140,7 +140,7 @@ class GaussMarkovPerception(_Ideal):
 
     def __init__(
         self,
-        uncertainty: float,
+        deviation: float,
         correlation_time: float,
         sample_period: float,
         robots: int,
@@ -150,16 +150,16 @@ class GaussMarkovPerception(_Ideal):
         """Starts with errors from the stationary distribution.
 
         Args:
-            uncertainty: sigma of the planar distance [m]; each axis has sigma / sqrt(2).
+            deviation: Of each axis [m].
             correlation_time: tau [s].
             sample_period: T_s [s].
             robots: Number of robots n.
             seed: Seed of the study.
             trials: Numbers of the trials, length B.
         """
-        self._variance = uncertainty**2 / 2.0
+        self._variance = deviation**2
         self._error = ErrorSequence(
-            [Component(deviation=uncertainty / np.sqrt(2.0), time=correlation_time)],
+            [Component(deviation=deviation, time=correlation_time)],
             sample_period,
             (len(trials), robots, 2),
             Draws(seed, trials, Purpose.ESTIMATION_ERROR, (robots, 2, 1), normal=True),

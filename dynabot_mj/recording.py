@@ -7,10 +7,12 @@ import numpy.typing as npt
 
 from dynabot_mj import assembly, scenario, scene
 from dynabot_mj.arrays import Array, BoolArray
-from dynabot_mj.metrics import Formation, footprints_touch, interpolate
+from dynabot_mj.geometry import footprints_touch
+from dynabot_mj.metrics import Formation
 from dynabot_mj.plants import FleetState
 from dynabot_mj.plants.rigid_body import tyre_slip
 from dynabot_mj.scenario import Case, Scenario
+from dynabot_mj.scorer import interpolate
 from dynabot_mj.simulation import Event, Progress, simulate
 
 IntArray = npt.NDArray[np.int64]
@@ -72,7 +74,7 @@ class _Recorder:
         self._vehicle = scene.read_robot(scenario.conditions(setup)).vehicle
         self._formation: Formation = assembly.formation(setup, case, scenario.field(setup, case.estimator))
         self._first, self._second = np.triu_indices(setup.robots, 1)
-        count = int(setup.duration / interval + 1e-9) + 1
+        count = int(scenario.duration(setup) / interval + 1e-9) + 1
         self._time = interval * np.arange(count, dtype=np.float64)
         self._frames: list[dict[str, Array]] = []
         self._messages: list[tuple[float, int, Array, Array]] = []

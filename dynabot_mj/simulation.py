@@ -16,11 +16,12 @@ from controllers.law import Information
 from dynabot_mj import assembly, control_laws, scenario
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.error_statistics import ErrorRecorder, ErrorStatistics
-from dynabot_mj.metrics import Scorer, Scores, interpolate
+from dynabot_mj.metrics import Scores
 from dynabot_mj.perception import Belief, certain
 from dynabot_mj.plants import FleetState
 from dynabot_mj.radio import Heard, Message, Radio
 from dynabot_mj.scenario import Case, Scenario
+from dynabot_mj.scorer import Scorer, interpolate
 
 TRAJECTORY_INTERVAL = 0.1  # between the recorded positions [s]
 
@@ -120,7 +121,7 @@ def simulate(
     """
     tick = setup.processor.tick
     sample_ticks, control_ticks = scenario.periods(setup, case.estimator)
-    duration_ticks = round(setup.duration / tick)
+    duration_ticks = round(scenario.duration(setup) / tick)
     position_w, heading = assembly.starts(setup, trials)
     if phase is None:
         phase = np.zeros(setup.robots, dtype=np.int64)

@@ -1,10 +1,25 @@
-"""Intervals: Wilson for rates, the percentile bootstrap for paired differences. All are 95 %."""
+"""Intervals and tests, 95 % throughout: what a sample allows to say, and no more.
 
+rate          Wilson's score interval.
+mean          mean and standard deviation; `bootstrapped` adds the BCa bootstrap interval of Efron (1987).
+hazard        events over time at risk, with the exact interval of a Poisson count.
+paired means  BCa interval of the mean difference and a permutation test, in which each pair's difference changes its
+              sign: the same trials under two conditions are exchangeable where the conditions do not matter.
+paired rates  McNemar's exact test, and the score interval of Tango (1998), which holds at rates near 0 and 1. Where
+              the exact conditional interval of the discordant pairs reaches farther, the interval does too: so it
+              includes zero wherever the exact test does not reject, as at 5 discordant pairs of 5 on one side.
+Holm (1979)   adjusts the p values of one family, so that all rejections together are wrong in 5 % of the cases.
+equivalence   two one-sided tests at 5 %: the 90 % interval lies within a margin that was stated before.
+"""
+
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import stats
+from scipy import optimize, stats
+from statsmodels.stats import multitest, rates
 
 from dynabot_mj.arrays import Array
 
@@ -33,13 +48,34 @@ class Mean:
 
 
 @dataclass(frozen=True, kw_only=True)
+class MeanInterval:
+    """A mean with its BCa interval; None where there are too few values."""
+
+    mean: float | None
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hazard:
+    """Events over time at risk [1/min]; None where nobody was at risk."""
+
+    rate: float | None
+    low: float | None
+    high: float | None
+    k: int
+    minutes: float  # at risk
+
+
+@dataclass(frozen=True, kw_only=True)
 class Difference:
-    """A mean paired difference with its bootstrap interval; None where there are too few pairs."""
+    """A mean paired difference with its interval and the p value of no difference; None where there are too few."""
 
     difference: float | None
     low: float | None
     high: float | None
     n: int
+    p: float | None
 
 
 def rate(values: npt.ArrayLike) -> Rate:
@@ -67,28 +103,117 @@ def mean(values: npt.ArrayLike) -> Mean:
     return Mean(mean=float(counted.mean()) if n else None, sd=float(counted.std(ddof=1)) if n > 1 else None, n=n)
 
 
-def paired_difference(a: npt.ArrayLike, b: npt.ArrayLike, seed: int = 0) -> Difference:
+def bootstrapped(values: npt.ArrayLike, seed: int = 0, confidence: float = CONFIDENCE) -> MeanInterval:
+    """Returns the mean of the values that are not NaN with its BCa interval.
+
+    Args:
+        values: Any length.
+        seed: Of the bootstrap.
+        confidence: Of the interval.
+    """
+    counted = _finite(values)
+    if len(counted) < 2:
+        return MeanInterval(mean=float(counted[0]) if len(counted) else None, low=None, high=None)
+    middle = float(counted.mean())
+    if np.ptp(counted) == 0.0:  # there is nothing to resample
+        return MeanInterval(mean=middle, low=middle, high=middle)
+    interval = stats.bootstrap(
+        (counted,),
+        np.mean,
+        n_resamples=RESAMPLES,
+        confidence_level=confidence,
+        method="BCa",
+        batch=1000,
+        rng=np.random.default_rng(seed),
+    ).confidence_interval
+    return MeanInterval(mean=middle, low=float(interval.low), high=float(interval.high))
+
+
+def hazard(k: int, minutes: float) -> Hazard:
+    """Returns the rate of k events in a time at risk [min] with the exact interval of a Poisson count."""
+    if minutes <= 0.0:
+        return Hazard(rate=None, low=None, high=None, k=k, minutes=0.0)
+    low, high = rates.confint_poisson(k, minutes, method="exact-c", alpha=1.0 - CONFIDENCE)
+    return Hazard(rate=k / minutes, low=float(low), high=float(high), k=k, minutes=minutes)
+
+
+def paired_difference(a: npt.ArrayLike, b: npt.ArrayLike, seed: int = 0, confidence: float = CONFIDENCE) -> Difference:
     """Returns the mean of a - b over the trials where both have a value.
 
     Args:
         a: One value per trial.
         b: The same trials under another condition.
-        seed: Of the bootstrap.
+        seed: Of bootstrap and permutations.
+        confidence: Of the interval.
     """
     difference = _finite(np.asarray(a, dtype=float) - np.asarray(b, dtype=float))
     n = len(difference)
-    if n < 2:
-        return Difference(difference=float(difference[0]) if n else None, low=None, high=None, n=n)
-    interval = stats.bootstrap(
-        (difference,),
-        np.mean,
-        n_resamples=RESAMPLES,
-        confidence_level=CONFIDENCE,
-        method="percentile",
-        batch=1000,
-        rng=np.random.default_rng(seed),
-    ).confidence_interval
-    return Difference(difference=float(difference.mean()), low=float(interval.low), high=float(interval.high), n=n)
+    interval = bootstrapped(difference, seed, confidence)
+    p = None
+    if n > 1:
+        test = stats.permutation_test(
+            (difference,),
+            np.mean,
+            permutation_type="samples",
+            n_resamples=RESAMPLES - 1,
+            batch=1000,
+            rng=np.random.default_rng(seed),
+        )
+        p = float(test.pvalue)
+    return Difference(difference=interval.mean, low=interval.low, high=interval.high, n=n, p=p)
+
+
+def paired_rates(a: npt.ArrayLike, b: npt.ArrayLike, confidence: float = CONFIDENCE) -> Difference:
+    """Returns the difference of two rates, a - b, over the trials where both have a value.
+
+    Args:
+        a: Zeros and ones, one per trial; NaN does not count.
+        b: The same trials under another condition.
+        confidence: Of the interval.
+    """
+    difference = _finite(np.asarray(a, dtype=float) - np.asarray(b, dtype=float))
+    n, more, less = len(difference), int((difference > 0.0).sum()), int((difference < 0.0).sum())
+    if n == 0:
+        return Difference(difference=None, low=None, high=None, n=0, p=None)
+    low, high = paired_rates_interval(more, less, n, confidence)
+    p = float(stats.binomtest(more, more + less).pvalue) if more + less else 1.0
+    return Difference(difference=(more - less) / n, low=low, high=high, n=n, p=p)
+
+
+def paired_rates_interval(more: int, less: int, n: int, confidence: float = CONFIDENCE) -> tuple[float, float]:
+    """Returns the interval of a difference of paired rates, see the module.
+
+    Args:
+        more: Pairs with a one in the first condition only.
+        less: Pairs with a one in the second condition only.
+        n: All pairs, at least one.
+        confidence: Of the interval.
+    """
+    observed, edge = (more - less) / n, 1.0 - 1e-12
+    bound = float(stats.norm.isf(0.5 * (1.0 - confidence)))
+
+    def score(difference: float) -> float:
+        """Tango's statistic (1998, Eq. 11): standard normal if this were the difference."""
+        linear = -more - less + (2.0 * n - more + less) * difference
+        constant = -less * difference * (1.0 - difference)
+        only_second = (math.sqrt(max(linear**2 - 8.0 * n * constant, 0.0)) - linear) / (4.0 * n)
+        variance = n * (2.0 * only_second + difference * (1.0 - difference))
+        return (more - less - n * difference) / math.sqrt(max(variance, 1e-300))
+
+    low = optimize.brentq(lambda d: score(d) - bound, -edge, observed) if score(-edge) > bound else -1.0
+    high = optimize.brentq(lambda d: score(d) + bound, observed, edge) if score(edge) < -bound else 1.0
+    if discordant := more + less:
+        exact = stats.binomtest(more, discordant).proportion_ci(confidence, method="exact")
+        low = min(low, (2.0 * exact.low - 1.0) * discordant / n)
+        high = max(high, (2.0 * exact.high - 1.0) * discordant / n)
+    return float(low), float(high)
+
+
+def holm(values: Sequence[float | None]) -> list[float | None]:
+    """Returns Holm's adjustment of the p values of one family; undefined ones do not count and stay undefined."""
+    known = [value for value in values if value is not None]
+    adjusted = iter(multitest.multipletests(known, method="holm")[1].tolist() if known else [])
+    return [None if value is None else next(adjusted) for value in values]
 
 
 def _finite(values: npt.ArrayLike) -> Array:

@@ -25,6 +25,11 @@ _HERE = Execution()  # in this process
 _TRIAL = ("trial",)
 _LAGS = ("trial", "lag")
 _VARIABLES = {
+    "arrival": ("scores.arrival", _TRIAL, "s", "when the robots had come to the leader's well; NaN: not at all"),
+    "formation": ("scores.formation", _TRIAL, "s", "when the common band began to hold for 5 s; NaN: never"),
+    "in_band": ("scores.in_band", _TRIAL, "1", "share of the time since arrival in the common band; NaN: not arrived"),
+    "contact": ("scores.contact", _TRIAL, "s", "when two footprints first overlapped; NaN: never"),
+    "overturned": ("scores.overturned", _TRIAL, "s", "when a body was first on its side or back; NaN: never"),
     "settling": (
         "scores.settling",
         _TRIAL,
@@ -129,6 +134,6 @@ def _dataset(setup: Scenario, by_case: Mapping[Case, list[Outcome]]) -> xr.Datas
         "controller": setup.controller,
         "versions": versions(),
         "seed": setup.seed,
-        "duration": setup.duration,
+        "duration": scenario.duration(setup),
     }
     return xr.Dataset(variables, coordinates, attributes)

@@ -55,10 +55,12 @@ def add(commands: parsers.Commands) -> None:
 
 def video(options: argparse.Namespace) -> None:
     """One trial of one case as a video, drawn without a display."""
+    from dynabot_mj import scenario
+
     setup = trials.chosen(options)
-    path = _path(options)
-    if options.still is not None and not 0.0 <= options.still <= setup.duration:
-        raise InputError(f"--still {options.still:g} given, the trial lasts from 0 to {setup.duration:g} s")
+    path, duration = _path(options), scenario.duration(setup)
+    if options.still is not None and not 0.0 <= options.still <= duration:
+        raise InputError(f"--still {options.still:g} given, the trial lasts from 0 to {duration:g} s")
     shot = _shot(options, setup, path)
 
     from dynabot_mj import files, opengl, progress
@@ -143,13 +145,14 @@ def _shot(options: argparse.Namespace, setup: Any, path: Path) -> Any:
     Raises:
         InputError: If a value is out of range, or two do not go together.
     """
+    from dynabot_mj import scenario
     from dynabot_mj.video.shot import OVERLAYS, Shot
 
     size, rate = _DEFAULTS.get(path.suffix, _DEFAULTS[".mp4"])
     size, rate = options.size or size, rate if options.rate is None else options.rate
     speed = 1.0 if options.speed is None else options.speed
     if options.still is None:
-        _require_rates(path, rate, speed, setup.duration)
+        _require_rates(path, rate, speed, scenario.duration(setup))
     elif options.rate is not None or options.speed is not None:
         raise InputError(f"--{'speed' if options.rate is None else 'rate'} given with --still, which is one picture")
     elif options.still * rate >= 1.0:

@@ -67,7 +67,7 @@ def _screen(options: argparse.Namespace, setup: Any, clock: Any, in_window: bool
     from dynabot_mj.web_view import Browser
 
     browser = Browser(
-        Stage(setup, case), clock, title=title, duration=setup.duration, host=options.host, port=options.port
+        Stage(setup, case), clock, title=title, duration=scenario.duration(setup), host=options.host, port=options.port
     )
     print(f"{title}: {browser.address} (Ctrl-C ends it)", flush=True)
     return browser

@@ -8,10 +8,11 @@ import numpy as np
 from controllers import potential_field
 from dynabot_mj import assembly, scenario
 from dynabot_mj.arrays import Array, BoolArray
-from dynabot_mj.metrics import Scorer, Scores
+from dynabot_mj.metrics import Scores
 from dynabot_mj.plants import Plant
 from dynabot_mj.plants.rigid_body import RigidBodyPlant
 from dynabot_mj.scenario import Case, Scenario
+from dynabot_mj.scorer import Scorer
 
 FINAL = 10.0  # over which the yaw's path is taken [s]
 _RIGID, _PARTICLE = (Case(plant=plant, perception=None, estimator="perfect") for plant in ("rigid", "particle"))
@@ -46,7 +47,7 @@ def follow(setup: Scenario, trials: range) -> FormationTracking:
     rigid = assembly.plant(setup, _RIGID, position_w, heading, trials)
     particle = assembly.plant(setup, _PARTICLE, position_w, heading, trials)
     assert isinstance(rigid, RigidBodyPlant)
-    count = math.ceil(setup.duration / period - 1e-9)
+    count = math.ceil(scenario.duration(setup) / period - 1e-9)
     formation = assembly.formation(setup, _RIGID, field)
     scorers = [Scorer(formation, assembly.LEADER_W, one.state, count * period) for one in (rigid, particle)]
     seconds = int((count - 1) * period) + 1

@@ -76,7 +76,7 @@ class Strip:
         """Returns the strip of a frame, (height, width, 3)."""
         image = self._base.copy()
         pen = ImageDraw.Draw(image)
-        done = self._take.recording.time[k] / self._take.recording.setup.duration
+        done = self._take.recording.time[k] / scenario.duration(self._take.recording.setup)
         pen.rectangle((0, 0, self._shot.width, 2), _RULE)
         pen.rectangle((0, 0, round(done * self._shot.width), 2), _DONE_COLOUR)
         for x, changing in self._changing:

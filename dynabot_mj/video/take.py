@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dynabot_mj import playback, recording
+from dynabot_mj import playback, recording, scenario
 from dynabot_mj.arrays import BoolArray
 from dynabot_mj.recording import Recording
 from dynabot_mj.scenario import Scenario
@@ -43,7 +43,7 @@ def take(setup: Scenario, shot: Shot, beside: bool, progress: Progress = lambda 
         other = recording.record(
             replace(setup, plants=("particle",)), shot.interval, lambda done: progress(share + share * done)
         )
-    frames = max(1, int(np.ceil(setup.duration / shot.interval - 1e-6)))
+    frames = max(1, int(np.ceil(scenario.duration(setup) / shot.interval - 1e-6)))
     frames = min(frames, len(own.time))
     return Take(
         recording=own,

@@ -1,6 +1,6 @@
 import pytest
 
-from dynabot_mj import configuration
+from dynabot_mj import configuration, scenario
 from dynabot_mj.errors import InfeasibleScheduleError, InputError
 
 
@@ -12,7 +12,7 @@ def test_toml_gives_the_same_scenario_back():
 def test_precedence_is_defaults_then_file_then_options():
     text = "trials = 7\nseed = 3\n[method.gps]\nalpha_h = 310\n[start]\ndistance = 40.0"
     setup = configuration.load(text, "study.toml", seed=4, headings="leader", duration=None)
-    assert (setup.trials, setup.seed, setup.duration) == (7, 4, 80.0)
+    assert (setup.trials, setup.seed, scenario.duration(setup)) == (7, 4, 80.0)
     assert (setup.method.gps.alpha_h, setup.method.gps.alpha_d) == (310.0, 150.0)
     assert (setup.start.distance, setup.start.headings) == (40.0, "leader")
 
@@ -57,6 +57,9 @@ def test_faults_survive_their_toml():
         ("[field]\nspacing = 9.5", "field.neighbour_range = 10 m given"),
         ("[start]\ndistance = 100.0", "field.leader_range = 60 m given; it must reach the start"),
         ("[start]\nspacing = 0.1", "start.spacing = 0.1 m given"),
+        ("[start]\nspacing = 0.7", "beyond the diagonal of a robot's footprint, 0.728 m"),
+        ('plants = ["particle"]\n[vehicle]\nslope = 0.1', "with the plant particle alone, which knows no ground"),
+        ('duration = "long"', "duration = 'long'"),
         ("[vehicle]\nfriction = 0.01", "vehicle.friction = 0.01: input should be greater than or equal to 0.05"),
         ("[vehicle]\nfriction = 2.0", "vehicle.friction = 2.0: input should be less than or equal to 1.5"),
         ("[vehicle]\nfriction = nan", "vehicle.friction = nan"),

@@ -16,7 +16,7 @@ EVERYBODY = np.ones((300, 3), dtype=bool)
 
 
 def test_uncertainty_is_the_planar_distances():
-    perception = GaussMarkovPerception(1.1, 0.08, 0.036, 3, 0, range(300))
+    perception = GaussMarkovPerception(1.1 / np.sqrt(2.0), 0.08, 0.036, 3, 0, range(300))
     for _ in range(20):
         belief = perception.observe(STATE, EVERYBODY)
     error = belief.position_w - STATE.position_w

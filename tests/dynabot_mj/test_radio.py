@@ -124,7 +124,7 @@ def test_latency_is_the_same_for_all_receivers():
 
 @pytest.mark.parametrize(("period", "robots"), [(13, 3), (26, 3), (39, 7), (52, 7)])
 def test_what_arrives_with_an_event_is_heard_at_it(period, robots):
-    """Whole multiples of t_k and of the timer's tick meet at multiples of 13 ms; in floats they differ by a last bit."""
+    """Multiples of t_k and of the timer's tick meet at multiples of 13 ms; as floats they differ in the last bit."""
     ticks = round(period * 1e-3 / TICK) * (1 if robots == 7 else round(26 / period))
     late = ticks * TICK  # the latency of every message: a whole number of periods
     radio = Radio(Link(offset=ticks, poisson_mean=0.0, tick=TICK, loss=0.0), robots, 0, [0])

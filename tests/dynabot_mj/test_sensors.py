@@ -200,7 +200,7 @@ def test_a_trial_does_not_depend_on_the_others():
 
 @pytest.mark.parametrize("period", [0.027, 0.156])
 def test_uneven_ground_leaks_the_mean_of_its_tilt_over_the_period(period):
-    """The root mean square of that mean is sigma sqrt(2 (x - 1 + e^-x)) / x; the mean of both ends is up to 3 % less."""
+    """Its root mean square is sigma sqrt(2 (x - 1 + e^-x)) / x; that of the mean of both ends is up to 3 % less."""
     ground = GroundErrors(slope=0.0)
     sensors = Sensors(replace(IDEAL, ground=ground), period, 0, range(300), start := still(0.0, trials=300, robots=2))
     leaks = []

@@ -173,6 +173,7 @@ def test_sampled_loop_at_the_wells_wall_is_stable_up_to_the_exact_gain_margin():
             "[start]\ndistance = 2.999\nspacing = 1e-3\n[field]\nwidth = 1e-6",
             "test",
             duration=60.0,
+            plants=["particle"],
         )
         outcome = simulate(setup, case("particle", "perfect"), [0], recorded=1)
         radius = np.linalg.norm(outcome.trajectory_w[0, :, 0], axis=-1)
