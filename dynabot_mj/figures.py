@@ -1,7 +1,7 @@
 """Figures of a study. One colour per robot and one per method, the same in every figure; colour-blind safe."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +17,16 @@ from matplotlib.patches import Patch
 
 from dynabot_mj import configuration, scenario, statistics, testbed
 from dynabot_mj.colours import METHOD_COLOURS, PERCEPTION_COLOURS, ROBOT_COLOURS
-from dynabot_mj.experiments import compare
-from dynabot_mj.experiments.compare import Row
+from dynabot_mj.experiments.case_rows import Row
+from dynabot_mj.experiments.compare import Comparison
 from dynabot_mj.names import METHOD_NAMES, PERCEPTION_NAMES, PLANT_NAMES
 from dynabot_mj.scenario import Scenario
 
 _PLANT_ALPHA = {"particle": 0.45, "rigid": 1.0}
 _PERCEPTION_HATCH = {"": "", "gauss-markov": "", "filter": "...", "fitted": "xxx"}
+
+_Bar = tuple[float, float, float]  # height, and the lengths of its whiskers below and above
+_NOTHING: _Bar = (math.nan, math.nan, math.nan)  # draws nothing
 
 STYLE: dict[Any, Any] = {
     "font.size": 10,
@@ -86,54 +89,68 @@ def trajectories(study: xr.Dataset, estimator: str, perception: str) -> Figure:
     return figure
 
 
-def table_iii(study: xr.Dataset) -> Figure:
-    """Draws Table III as bars: paper, point masses and rigid bodies of each method, with intervals."""
-    rows = compare.rows(study)
-    estimators = list(dict.fromkeys(row.estimator for row in rows))
-    most = max(sum(row.estimator == estimator for row in rows) for estimator in estimators)
-    perceptions = list(dict.fromkeys(row.perception for row in rows if row.perception))
-    with plt.rc_context(STYLE):
-        figure, axes = plt.subplots(1, 3, figsize=(11.0, 4.0), layout="constrained")
-        for index, estimator in enumerate(estimators):
-            of_method = [row for row in rows if row.estimator == estimator]
-            _draw_method(axes, index, estimator, of_method, width=0.78 / (1 + most))
-        for axis, title in zip(
-            axes,
-            ("settling time [s], mean ± sd", "collision rate [%]", "completion rate, method's own σ [%]"),
-            strict=True,
-        ):
-            axis.set_title(title, fontsize=10.5)
-            axis.set_xticks(range(len(estimators)), [METHOD_NAMES[name].replace(" ", "\n") for name in estimators])
-            axis.grid(axis="x", visible=False)
-            axis.set_ylim(bottom=0.0)
-            axis.set_xlim(-0.6, max(len(estimators), 2) - 0.4)
-        axes[2].set_ylim(0.0, 105.0)
-        legend = [
-            Patch(
-                facecolor="white",
-                edgecolor="#444444",
-                hatch="////",
-                label=f"paper, {testbed.ROBOTS} robots, {testbed.TRIALS_TABLE_III} trials",
-            ),
-            *(
-                Patch(facecolor="#444444", alpha=_PLANT_ALPHA[plant], label=PLANT_NAMES[plant])
-                for plant in dict.fromkeys(row.plant for row in rows)
-            ),
-            *(
-                Patch(
-                    facecolor="white", edgecolor="#444444", hatch=_PERCEPTION_HATCH[name], label=PERCEPTION_NAMES[name]
-                )
-                for name in (perceptions if len(perceptions) > 1 else [])
-            ),
+def table_iii(comparison: Comparison) -> Figure:
+    """Draws Table III as bars: the paper and what reproduces it, by the paper's own measures.
+
+    Of point masses where the study has them: its collision is of centres, which bodies cannot bring that near.
+    """
+    rows = comparison.rows
+    plant = min(row.plant for row in rows)  # particle comes first
+    rows = [row for row in rows if row.plant == plant]
+
+    def shown(row: Row) -> list[_Bar]:
+        settling = row.settling_s
+        spread = settling.sd or 0.0
+        return [
+            (math.nan if settling.mean is None else settling.mean, spread, spread),
+            _percent(row.collision),
+            _percent(row.completion),
         ]
-        figure.legend(handles=legend, loc="outside lower center", ncols=min(len(legend), 6))
-        robots, trials, seed = study.sizes["robot"], study.sizes["trial"], study.attrs["seed"]
-        figure.suptitle(
-            f"Table III of the paper and {trials} trials of {robots} robots here (seed {seed}); "
-            "rates with 95 % Wilson intervals",
-            fontsize=11,
-        )
-    return figure
+
+    def published(estimator: str) -> list[_Bar]:
+        paper = testbed.TABLE_III[estimator]
+        spread = paper.settling_sd or 0.0
+        rates = (_percent(_published(share)) for share in (paper.collision, paper.completion))
+        return [(paper.settling, spread, spread), *rates]
+
+    trials, seed = comparison.study.sizes["trial"], comparison.study.attrs["seed"]
+    return _bars(
+        rows,
+        ("settling time [s], mean ± sd", "collision of centres [%]", "completion, method's own σ [%]"),
+        shown,
+        published,
+        f"Table III of the paper, and {trials} trials of {PLANT_NAMES[plant]} here (seed {seed}); "
+        "rates with 95 % Wilson intervals",
+    )
+
+
+def outcomes(comparison: Comparison) -> Figure:
+    """Draws what cases are compared by: arrival, time to formation, contact, and formations within a common metre."""
+
+    def shown(row: Row) -> list[_Bar]:
+        arrival, formation = row.arrival_s, row.time_to_formation_s
+        spread = arrival.sd or 0.0
+        return [
+            (math.nan if arrival.mean is None else arrival.mean, spread, spread),
+            _whiskers(formation.mean, formation.low, formation.high),
+            _percent(row.collision_footprint),
+            _percent(row.completion_common),
+        ]
+
+    trials, seed = comparison.study.sizes["trial"], comparison.study.attrs["seed"]
+    horizon = comparison.study.attrs["duration"]
+    return _bars(
+        comparison.rows,
+        (
+            "arrival [s], mean ± sd",
+            f"time to formation [s],\nmean restricted to {horizon:g} s",
+            "trials in which hulls\noverlap [%]",
+            "formation within 1 m,\nno contact [%]",
+        ),
+        shown,
+        None,
+        f"{trials} trials of {comparison.study.sizes['robot']} robots (seed {seed}); whiskers: 95 %, but for ± sd",
+    )
 
 
 def errors(study: xr.Dataset) -> Figure | None:
@@ -227,39 +244,70 @@ def _caption(study: xr.Dataset, setup: Scenario, estimator: str, perception: str
     return f"{name}, T_c = {1e3 * period:g} ms, trial {setup.first_trial} of seed {setup.seed}"
 
 
-def _draw_method(axes: Sequence[Axes], index: int, estimator: str, rows: Sequence[Row], width: float) -> None:
-    """Draws one method's group of bars into the three panels."""
-    colour = METHOD_COLOURS[estimator]
-    paper = testbed.TABLE_III[estimator]
-    published = [
-        (paper.settling, paper.settling_sd or 0.0, paper.settling_sd or 0.0),
-        *(_percent(_published(share)) for share in (paper.collision, paper.completion)),
+def _bars(
+    rows: Sequence[Row],
+    titles: Sequence[str],
+    shown: Callable[[Row], list[_Bar]],
+    published: Callable[[str], list[_Bar]] | None,
+    title: str,
+) -> Figure:
+    """Draws a panel for each measure and in it a group of bars for each method.
+
+    Args:
+        rows: Of the study.
+        titles: Of the panels.
+        shown: The bars of a row, one for each panel.
+        published: The paper's, likewise; None: it has none.
+        title: Of the figure.
+    """
+    estimators = list(dict.fromkeys(row.estimator for row in rows))
+    most = max(sum(row.estimator == estimator for row in rows) for estimator in estimators)
+    width = 0.78 / ((published is not None) + most)
+    with plt.rc_context(STYLE):
+        figure, axes = plt.subplots(1, len(titles), figsize=(3.3 * len(titles) + 1.1, 4.0), layout="constrained")
+        for index, estimator in enumerate(estimators):
+            colour = METHOD_COLOURS[estimator]
+            groups: list[tuple[list[_Bar], dict[str, Any]]] = []
+            if published is not None:
+                groups.append((published(estimator), {"facecolor": "white", "edgecolor": colour, "hatch": "////"}))
+            groups += [(shown(row), _look(row, colour)) for row in rows if row.estimator == estimator]
+            for bar, (values, look) in enumerate(groups):
+                place = index + (bar - (len(groups) - 1) / 2.0) * (1.1 * width)
+                for axis, (height, below, above) in zip(axes, values, strict=True):
+                    axis.bar(place, height, width, **look)
+                    reach = [[below], [above]]
+                    axis.errorbar(place, height, reach, color="#222222", linewidth=1.0, capsize=6.0 * width)
+        for axis, name in zip(axes, titles, strict=True):
+            axis.set_title(name, fontsize=10.5)
+            axis.set_xticks(range(len(estimators)), [METHOD_NAMES[name].replace(" ", "\n") for name in estimators])
+            axis.grid(axis="x", visible=False)
+            axis.set_ylim(0.0, 105.0 if "%" in name else None)
+            axis.set_xlim(-0.6, max(len(estimators), 2) - 0.4)
+        legend = _legend(rows, published is not None)
+        figure.legend(handles=legend, loc="outside lower center", ncols=min(len(legend), 6))
+        figure.suptitle(title, fontsize=11)
+    return figure
+
+
+def _look(row: Row, colour: str) -> dict[str, Any]:
+    hatch = _PERCEPTION_HATCH[row.perception or ""]
+    look = {"facecolor": colour, "alpha": _PLANT_ALPHA[row.plant], "hatch": hatch, "edgecolor": "white"}
+    return look if hatch else {**look, "edgecolor": "none"}
+
+
+def _legend(rows: Sequence[Row], paper: bool) -> list[Patch]:
+    perceptions = list(dict.fromkeys(row.perception for row in rows if row.perception))
+    plants = dict.fromkeys(row.plant for row in rows)
+    empty: dict[str, Any] = {"facecolor": "white", "edgecolor": "#444444"}
+    label = f"paper, {testbed.ROBOTS} robots, {testbed.TRIALS_TABLE_III} trials"
+    return [
+        *([Patch(**empty, hatch="////", label=label)] if paper else []),
+        *(Patch(facecolor="#444444", alpha=_PLANT_ALPHA[plant], label=PLANT_NAMES[plant]) for plant in plants),
+        *(
+            Patch(**empty, hatch=_PERCEPTION_HATCH[name], label=PERCEPTION_NAMES[name])
+            for name in (perceptions if len(perceptions) > 1 else [])
+        ),
     ]
-    groups: list[tuple[list[tuple[float, float, float]], dict[str, Any]]] = [
-        (published, {"facecolor": "white", "edgecolor": colour, "hatch": "////"})
-    ]
-    for row in rows:
-        settling = row.settling_s
-        shown = [
-            (math.nan if settling.mean is None else settling.mean, settling.sd or 0.0, settling.sd or 0.0),
-            _percent(row.collision),
-            _percent(row.completion),
-        ]
-        hatch = _PERCEPTION_HATCH[row.perception or ""]
-        look: dict[str, Any] = {
-            "facecolor": colour,
-            "alpha": _PLANT_ALPHA[row.plant],
-            "hatch": hatch,
-            "edgecolor": "white",
-        }
-        groups.append((shown, look if hatch else {**look, "edgecolor": "none"}))
-    for bar, (values, look) in enumerate(groups):
-        place = index + (bar - (len(groups) - 1) / 2.0) * (1.1 * width)
-        for axis, (height, below, above) in zip(axes, values, strict=True):
-            axis.bar(place, height, width, **look)
-            axis.errorbar(
-                place, height, [[below], [above]], color="#222222", linewidth=1.0, capsize=6.0 * width, linestyle="none"
-            )
 
 
 def _published(share: float) -> statistics.Rate:
@@ -267,8 +315,17 @@ def _published(share: float) -> statistics.Rate:
     return statistics.share(round(share * testbed.TRIALS_TABLE_III), testbed.TRIALS_TABLE_III)
 
 
-def _percent(rate: statistics.Rate) -> tuple[float, float, float]:
+def _percent(rate: statistics.Rate | None) -> _Bar:
     """Returns height and whisker lengths of a rate's bar [%]."""
-    if rate.rate is None or rate.low is None or rate.high is None:
-        return math.nan, math.nan, math.nan  # draws nothing
-    return 100.0 * rate.rate, 100.0 * max(0.0, rate.rate - rate.low), 100.0 * max(0.0, rate.high - rate.rate)
+    if rate is None:
+        return _NOTHING
+    return _whiskers(*(None if value is None else 100.0 * value for value in (rate.rate, rate.low, rate.high)))
+
+
+def _whiskers(middle: float | None, low: float | None, high: float | None) -> _Bar:
+    """Returns height and whisker lengths of a bar with an interval."""
+    if middle is None:
+        return _NOTHING
+    if low is None or high is None:
+        return middle, 0.0, 0.0
+    return middle, max(0.0, middle - low), max(0.0, high - middle)

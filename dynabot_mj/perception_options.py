@@ -50,6 +50,7 @@ def _error(**parts: Sequence[tuple[float, float]]) -> FittedError:
 class FittedOptions:
     """The surrogate that has the filters' measured statistics; `compare --perception filter` writes such a table."""
 
+    seed: Annotated[int, Field(ge=0)] = 0  # of the study that it was fitted on
     # Measured by `dynabot compare --perception filter`, 100 trials of seed 0, particles; rigid bodies err alike.
     gps: FittedError = _error(
         position=[(1.02, 0.128), (0.726, 78.8)], velocity=[(0.245, 0.211)], heading=[(0.0806, 154.0)]

@@ -55,6 +55,8 @@ _VARIABLES = {
     "final_heading": ("final_heading", ("trial", "robot"), "rad", "heading at the end"),
     "trajectory_w": ("trajectory_w", ("recorded", "time", "robot", "axis"), "m", "path of the centre"),
 }
+# Those that older studies do not have.
+_FIRST_PASSAGES = ("arrival", "formation", "in_band", "contact", "overturned")
 
 
 def run(setup: Scenario, execution: Execution = _HERE, progress: Progress = lambda share: None) -> xr.Dataset:
@@ -82,14 +84,23 @@ def save(dataset: xr.Dataset, path: Path) -> None:
 
 
 def load(path: Path) -> xr.Dataset:
-    """Reads a Dataset that `save` wrote, whole."""
+    """Reads a Dataset that `save` wrote, whole.
+
+    One of an older version, which has no first passages, is judged as today: hulls that touched fail the common
+    completion, where it counted centres.
+    """
     with xr.open_dataset(path, engine="h5netcdf") as dataset:
-        return dataset.load()
+        study = dataset.load()
+    if "contact" not in study.variables and {"completion_common", "collision_footprint"} <= set(study.variables):
+        common = study.completion_common
+        study["completion_common"] = common.where(common.isnull() | (study.collision_footprint != 1.0), 0.0)
+    return study
 
 
 def missing(study: xr.Dataset) -> list[str]:
-    """Returns which of the variables that `run` returns a Dataset lacks, as one of an older version may."""
-    return [name for name in ("diverged", *_VARIABLES, "error_lag") if name not in study.variables]
+    """Returns which of the variables that every version writes a Dataset lacks."""
+    expected = ("diverged", *(name for name in _VARIABLES if name not in _FIRST_PASSAGES), "error_lag")
+    return [name for name in expected if name not in study.variables]
 
 
 def _dataset(setup: Scenario, by_case: Mapping[Case, list[Outcome]]) -> xr.Dataset:

@@ -13,35 +13,47 @@ from matplotlib.figure import Figure
 from dynabot_mj import configuration, names
 from dynabot_mj.arrays import Array
 from dynabot_mj.colours import METHOD_COLOURS, PERCEPTION_COLOURS
-from dynabot_mj.experiments import compare
-from dynabot_mj.experiments.compare import Paired
+from dynabot_mj.experiments import measures, paired_tests
+from dynabot_mj.experiments.compare import Comparison
+from dynabot_mj.experiments.paired_tests import Paired
 from dynabot_mj.figures import STYLE
 
 _LINES = {"rigid": "-", "particle": (0, (3.0, 1.4))}
-# Of `compare.PAIRED_METRICS`: what is written above a panel, and by what its values are multiplied.
+# Of `measures.MEASURES`: what is written above a panel, and by what its values are multiplied.
 _METRICS = {
-    "settling_s": ("settling time [s]", 1.0),
-    "top_speed_mps": ("top speed [m/s]", 1.0),
-    "collision": ("collision [points]", 100.0),
+    "arrival_s": ("arrival [s]", 1.0),
+    "time_to_formation_s": ("time to formation [s]", 1.0),
+    "in_band_fraction": ("time in band [points]", 100.0),
     "collision_footprint": ("hulls overlap [points]", 100.0),
-    "completion": ("completion, own σ [points]", 100.0),
     "completion_common": ("completion, 1 m [points]", 100.0),
+    "top_speed_mps": ("top speed [m/s]", 1.0),
 }
 
 
-def settling(study: xr.Dataset) -> Figure:
-    """Draws which share of the trials has settled by when, of those that did not collide."""
+def incidence(study: xr.Dataset) -> Figure | None:
+    """Draws formation and contact as competing outcomes: what share of the trials has met which of them first, by when.
+
+    Formations grow from below, contacts and overturned bodies from above; what is between has met neither.
+
+    Returns:
+        A panel for each estimator; None for an older study, which does not tell.
+    """
+    if "formation" not in study.variables:
+        return None
+    end = float(study.attrs["duration"])
 
     def draw(axis: Axes, case: xr.Dataset, **look: Any) -> str:
-        judged = np.isfinite(case.settled.values)
-        times = case.settling.values[judged & (case.settled.values == 1.0)]
-        _steps(axis, times, int(judged.sum()), float(study.attrs["duration"]), **look)
-        return f"{len(times)} of {judged.sum()} settle"
+        known = case.diverged.values == 0
+        failed = measures.failure(case)[known]
+        formed = measures.restricted(case, "formation")[known]
+        # What fails after it has formed has met the formation first.
+        first = np.where(formed < end, np.inf, failed)
+        _steps(axis, first[np.isfinite(first)], int(known.sum()), end, upside_down=True, **look)
+        _steps(axis, formed[formed < end], int(known.sum()), end, **look)
+        return f"{(formed < end).sum()} form, {np.isfinite(first).sum()} touch first"
 
-    figure = _panels(study, draw, "time [s]", "share settled")
-    known = study.settling.values[np.isfinite(study.settling.values)]
-    if len(known):
-        figure.axes[0].set_xlim(0.9 * known.min(), float(study.attrs["duration"]))
+    figure = _panels(study, draw, "time [s]", "share of trials")
+    figure.axes[0].set_xlim(0.0, end)
     return figure
 
 
@@ -63,13 +75,13 @@ def closest(study: xr.Dataset) -> Figure:
     return figure
 
 
-def differences(study: xr.Dataset) -> Figure | None:
+def differences(comparison: Comparison) -> Figure | None:
     """Draws the mean paired differences particle minus rigid body with their 95 % intervals.
 
     Returns:
         A panel for each metric; None where the study has one plant only.
     """
-    pairs = [one for one in compare.paired(study) if one.a.split("/")[0] != one.b.split("/")[0]]
+    pairs = paired_tests.of_factor(comparison.paired, "plant")
     if not pairs:
         return None
     cases = list(dict.fromkeys(one.a.split("/", 1)[1] for one in pairs))
@@ -135,10 +147,11 @@ def _panels(study: xr.Dataset, draw: Callable[..., str], across: str, up: str) -
     return figure
 
 
-def _steps(axis: Axes, values: Array, total: int, end: float, **look: Any) -> None:
+def _steps(axis: Axes, values: Array, total: int, end: float, *, upside_down: bool = False, **look: Any) -> None:
     """Draws the share of `total` that is at most x, up to `end`; what has no value never counts."""
     ordered = np.sort(values)
     share = np.arange(len(ordered) + 1) / max(total, 1)
+    share = 1.0 - share if upside_down else share
     axis.step(np.concatenate([[0.0], ordered, [end]]), np.append(share, share[-1]), where="post", **look)
 
 

@@ -24,15 +24,16 @@ def add(commands: parsers.Commands) -> None:
 
 def compare(options: argparse.Namespace) -> None:
     """Every estimator on both plants, the paper's Table III beside them."""
-    from dynabot_mj import figures
+    from dynabot_mj import figures, study_figures
     from dynabot_mj.experiments import compare as experiment
-    from dynabot_mj.experiments import in_loop
+    from dynabot_mj.experiments import compare_tables, in_loop
 
     setup = studies.build(options, plants=options.plants, estimators=options.estimators, perception=options.perception)
     folder = results.open_folder(options, "compare")
     study, wall_s = studies.run(setup, folder, options, "compare")
-    table = experiment.markdown(study)
-    document = experiment.document(study)
+    comparison = experiment.compared(study)
+    table, document = compare_tables.markdown(comparison), experiment.document(comparison)
+    studies.note_late(comparison)
     with studies.staged(folder, setup, study, options, wall_s) as stage:
         (stage / "table.md").write_text(table, encoding="utf-8")
         (stage / "compare.json").write_text(results.dump(document), encoding="utf-8")
@@ -40,7 +41,10 @@ def compare(options: argparse.Namespace) -> None:
             (stage / "fitted.toml").write_text(fitted, encoding="utf-8")
         if (errors := figures.errors(study)) is not None:
             figures.save(errors, stage / "errors.png")
-        figures.save(figures.table_iii(study), stage / "table_iii.png")
+        figures.save(figures.table_iii(comparison), stage / "table_iii.png")
+        figures.save(figures.outcomes(comparison), stage / "outcomes.png")
+        if (incidence := study_figures.incidence(study)) is not None:
+            figures.save(incidence, stage / "incidence.png")
         shown = list(dict.fromkeys(zip(study.estimator.values, study.perception.values, strict=True)))
         for estimator, perception in shown:
             several = sum(name == estimator for name, _ in shown) > 1

@@ -16,13 +16,13 @@ def run(options: argparse.Namespace) -> None:
     import numpy as np
 
     from dynabot_mj import figures
-    from dynabot_mj.experiments import compare as experiment
+    from dynabot_mj.experiments import case_rows, single_trial
 
     setup = trials.chosen(options)
     folder = results.open_folder(options, "run")
     study, wall_s = studies.run(setup, folder, options, "run")
     case = study.isel(case=0)
-    row = asdict(experiment.row(case))
+    row = asdict(case_rows.row(case))
     places = case.final_position_w.isel(trial=0).values
     row["final_position_m"] = [[float(x) if np.isfinite(x) else None for x in place] for place in places]
     with studies.staged(folder, setup, study, options, wall_s) as stage:
@@ -30,5 +30,5 @@ def run(options: argparse.Namespace) -> None:
             figures.trajectories(study, setup.estimators[0], str(case.perception.item())), stage / "trajectories.png"
         )
     shown = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places)
-    text = experiment.markdown(study) + f"\nfinal positions [m]: {shown}\n{wall_s:.1f} s; results in {folder}"
+    text = single_trial.markdown(case) + f"\nfinal positions [m]: {shown}\n{wall_s:.1f} s; results in {folder}"
     results.show(options, row, text)

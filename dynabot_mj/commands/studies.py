@@ -84,6 +84,14 @@ def staged(folder: Path, setup: Any, dataset: Any, options: argparse.Namespace, 
     forget(setup, folder / _CHUNKS)
 
 
+def note_late(comparison: Any) -> None:
+    """Says that a case was too short for its robots to arrive."""
+    from dynabot_mj.experiments import compare
+
+    if line := compare.late(comparison):
+        print(f"note: {line}", file=sys.stderr)
+
+
 def note_load(estimator: str, load: float, bound: float) -> None:
     """Says that rounding the periods to the timer's tick overloads the processor, as in the paper."""
     if load > bound + 5e-5:  # in the digits shown

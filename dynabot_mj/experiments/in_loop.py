@@ -6,6 +6,7 @@ that a study keeps of each trial (`dynabot_mj.error_statistics`), averaged over 
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import tomli_w
@@ -63,7 +64,7 @@ def fitted_toml(study: xr.Dataset) -> str | None:
 
     Errors are of the first plant that each estimator was run on.
     """
-    found: dict[str, dict[str, list[dict[str, float]]]] = {}
+    found: dict[str, Any] = {}
     for index in range(study.sizes["case"]):
         case = study.isel(case=index)
         if str(case.perception.item()) != "filter" or str(case.estimator.item()) in found:
@@ -75,7 +76,7 @@ def fitted_toml(study: xr.Dataset) -> str | None:
                 name: [{"deviation": _digits(one.deviation), "time": _digits(one.time_s)} for one in part]
                 for name, part in parts.items()
             }
-    return tomli_w.dumps({"fitted": found}) if found else None
+    return tomli_w.dumps({"fitted": {"seed": int(study.attrs["seed"]), **found}}) if found else None
 
 
 def table(study: xr.Dataset) -> Table | None:

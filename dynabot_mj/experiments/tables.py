@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from dynabot_mj.statistics import Mean, Rate
+from dynabot_mj.statistics import Hazard, Mean, MeanInterval, Rate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,11 +35,23 @@ def aligned(header: Sequence[str], body: Sequence[Sequence[str]]) -> list[str]:
     return [line(header), "|" + "|".join("-" * (width + 2) for width in widths) + "|", *map(line, body)]
 
 
-def mean(value: Mean) -> str:
-    """Returns a mean as `mean ± sd`, or a dash."""
+def mean(value: Mean, scale: float = 1.0, digits: int = 1) -> str:
+    """Returns a mean, times a scale, as `mean ± sd`, or a dash."""
     if value.mean is None:
         return "-"
-    return f"{value.mean:.1f}" + (f" ± {value.sd:.1f}" if value.sd is not None else "")
+    spread = f" ± {scale * value.sd:.{digits}f}" if value.sd is not None else ""
+    return f"{scale * value.mean:.{digits}f}{spread}"
+
+
+def interval(value: MeanInterval | Hazard, digits: int = 1) -> str:
+    """Returns a mean, or a hazard, and its interval, or a dash."""
+    middle = value.mean if isinstance(value, MeanInterval) else value.rate
+    if middle is None:
+        return "-"
+    text = f"{middle:.{digits}f}"
+    return (
+        text if value.low is None or value.high is None else f"{text} [{value.low:.{digits}f}, {value.high:.{digits}f}]"
+    )
 
 
 def rate(value: Rate) -> str:

@@ -10,8 +10,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dynabot_mj import estimation_figures, figures, names, recording_figures, study_figures
-from dynabot_mj.experiments import circle_report, compare, in_loop
+from dynabot_mj.experiments import circle_report, compare, compare_tables, in_loop
 from dynabot_mj.experiments.circle import Outcome
+from dynabot_mj.experiments.compare import Comparison
 from dynabot_mj.recording import Recording
 from dynabot_mj.report import csv_tables, page, svg
 from dynabot_mj.report.page import Section
@@ -41,11 +42,13 @@ class Report:
 def build(material: Material) -> Report:
     """Tells a study."""
     study = material.study
-    tables = {**csv_tables.of_study(study), **csv_tables.of_circle(material.circle)}
+    comparison = compare.compared(study)
+    tables = {**csv_tables.of_study(comparison), **csv_tables.of_circle(material.circle)}
     sections = [
-        _result(study, tables),
+        _result(comparison, tables),
         _film(material),
-        _differences(study, tables),
+        _differences(comparison, tables),
+        _reproduction(comparison),
         _distributions(study, tables),
         _paths(study),
         _over_time(material),
@@ -56,7 +59,7 @@ def build(material: Material) -> Report:
     command = material.execution.get("command")
     made = f"<p>Made by <code>{escape(command)}</code></p>" if command else ""
     html = page.html(
-        compare.table(study).title,
+        compare_tables.title(study),
         f"<p>{_INTRODUCTION}</p>\n{made}",
         [section for section in sections if section is not None],
         f"<p>{escape(study.attrs['title'])}. This page needs nothing but itself.</p>",
@@ -69,18 +72,31 @@ same forces, errors and messages, trial by trial, drive point masses and rigid, 
 body."""
 
 
-def _result(study: xr.Dataset, tables: Mapping[str, str]) -> Section:
+def _result(comparison: Comparison, tables: Mapping[str, str]) -> Section:
     parts = [
         _figure(
-            figures.table_iii(study),
+            figures.outcomes(comparison),
             "bars",
-            "Settling, collisions and completed formations, beside the paper's Table III. Whiskers: standard deviation "
-            "of the settling time, 95 % Wilson intervals of the rates.",
+            "Arrival, time to formation, contacts of hulls and formations within a common metre. Whiskers: standard "
+            "deviation of the arrival, 95 % intervals of the others.",
         ),
-        page.table(compare.table(study)),
+        page.table(compare_tables.table(comparison)),
         _downloads(tables, "cases.csv", "trials.csv"),
     ]
     return Section(title="Result", parts=parts)
+
+
+def _reproduction(comparison: Comparison) -> Section:
+    parts = [
+        _figure(
+            figures.table_iii(comparison),
+            "table-iii",
+            "Settling, collisions of centres and completion within each method's own sigma, beside the paper's Table "
+            "III. Whiskers: standard deviation of the settling time, 95 % Wilson intervals of the rates.",
+        ),
+        page.table(compare_tables.reproduction(comparison)),
+    ]
+    return Section(title="Beside the paper", parts=parts)
 
 
 def _film(material: Material) -> Section:
@@ -88,27 +104,28 @@ def _film(material: Material) -> Section:
     return Section(title="Film", parts=[shown])
 
 
-def _differences(study: xr.Dataset, tables: Mapping[str, str]) -> Section | None:
-    told = compare.difference_tables(study)
+def _differences(comparison: Comparison, tables: Mapping[str, str]) -> Section | None:
+    told = compare_tables.tests(comparison)
     if not told:
         return None
     parts = []
-    if (figure := study_figures.differences(study)) is not None:
-        caption = "Mean paired differences between the plants with 95 % bootstrap intervals. Points: percentage points."
+    if (figure := study_figures.differences(comparison)) is not None:
+        caption = "Mean paired differences between the plants with 95 % intervals. Points: percentage points."
         parts.append(_figure(figure, "differences", caption))
     for table in told:
         parts += [page.heading(table.title), page.table(table)]
-    return Section(title="What the body changes", parts=[*parts, _downloads(tables, "differences.csv")])
+    return Section(title="What differs", parts=[*parts, _downloads(tables, "differences.csv")])
 
 
 def _distributions(study: xr.Dataset, tables: Mapping[str, str]) -> Section:
-    parts = [
-        _figure(
-            study_figures.settling(study),
-            "settling",
-            "Settling times: the share of the trials without a collision that has settled by a time. Lines end below 1 "
-            "where trials stay unsettled.",
-        ),
+    parts = []
+    if (figure := study_figures.incidence(study)) is not None:
+        caption = (
+            "Formation and contact as competing outcomes: the share of the trials that has formed by a time, from "
+            "below, and that has touched or overturned before it formed, from above."
+        )
+        parts.append(_figure(figure, "incidence", caption))
+    parts += [
         _figure(
             study_figures.closest(study),
             "closest",

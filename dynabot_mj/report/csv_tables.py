@@ -9,17 +9,18 @@ from typing import Any
 
 import xarray as xr
 
-from dynabot_mj.experiments import circle_report, compare
+from dynabot_mj.experiments import circle_report
 from dynabot_mj.experiments.circle import Outcome
+from dynabot_mj.experiments.compare import Comparison
 
 
-def of_study(study: xr.Dataset) -> dict[str, str]:
+def of_study(comparison: Comparison) -> dict[str, str]:
     """Returns a study's tables by file name: its cases with their errors, differences, and trials one by one."""
-    differences = [asdict(one) for one in compare.paired(study)]
+    differences = [asdict(one) for one in comparison.paired]
     return {
-        "cases.csv": _text([asdict(one) for one in compare.rows(study)]),
+        "cases.csv": _text([asdict(one) for one in comparison.rows]),
         **({"differences.csv": _text(differences)} if differences else {}),
-        "trials.csv": _text(list(_trials(study))),
+        "trials.csv": _text(list(_trials(comparison.study))),
     }
 
 

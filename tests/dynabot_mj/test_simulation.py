@@ -240,13 +240,13 @@ def test_rigid_bodies_with_perfect_information_form_like_particles():
 def test_golden_run_with_filters_on_particles():
     outcome = run("particle", "coupled", range(20), perception="filter")
     assert outcome.scores.settling.mean() == pytest.approx(45.404, abs=0.04)
-    assert outcome.scores.top_speed.mean() == pytest.approx(2.8599, abs=2e-3)
+    assert outcome.scores.top_speed.mean() == pytest.approx(2.8576, abs=2e-3)
     assert np.sqrt(outcome.errors.position[:, 0].mean()) == pytest.approx(0.6820, abs=2e-3)
 
 
 def test_golden_run_with_filters_on_rigid_bodies():
     outcome = run("rigid", "decoupled", range(4), duration=20.0, gains="first", perception="filter")
-    assert outcome.scores.top_speed.mean() == pytest.approx(1.7438, abs=2e-3)
+    assert outcome.scores.top_speed.mean() == pytest.approx(1.7414, abs=2e-3)
     assert np.sqrt(outcome.errors.position[:, 0].mean()) == pytest.approx(0.7875, abs=2e-3)
     assert np.sqrt(outcome.errors.heading[:, 0].mean()) == pytest.approx(0.0895, abs=2e-3)
 

@@ -1,0 +1,171 @@
+"""Which cases of a study differ on the same trials, and whether by more than chance.
+
+Cases are paired that differ in one factor alone: estimators on one plant with one perception, plants, perceptions.
+`perfect` is a reference and no estimator that a robot could choose: it is paired over plants only. Interactions are
+differences of such differences: whether the body matters more with one perception than with another. The p values of
+one factor (of one table) are one family for Holm's adjustment.
+"""
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+
+import xarray as xr
+
+from dynabot_mj import statistics
+from dynabot_mj.experiments.measures import FACTORS, MEASURES, TESTED, Factor, Measure
+from dynabot_mj.statistics import Difference
+
+# Within which the fitted surrogate is held to be as good as the filters, stated before it was judged: a second of
+# arrival, a twentieth of the horizon, a tenth of the trials.
+MARGINS = {
+    "arrival_s": 1.0,
+    "time_to_formation_s": 4.0,
+    "in_band_fraction": 0.1,
+    "collision_footprint": 0.1,
+    "completion_common": 0.1,
+}
+_EQUIVALENCE_CONFIDENCE = 0.90  # of two one-sided tests at 5 %
+
+
+@dataclass(frozen=True, kw_only=True)
+class Paired(Difference):
+    """Mean difference a - b of a measure over the trials where both cases have a value."""
+
+    factor: Factor  # what the cases differ in
+    a: str
+    b: str
+    metric: str
+    p_holm: float | None  # None where nothing is concluded from it
+
+
+@dataclass(frozen=True, kw_only=True)
+class Interaction(Difference):
+    """Difference particle - rigid with perception a less that with perception b, on the same trials."""
+
+    estimator: str
+    a: str
+    b: str
+    metric: str
+    p_holm: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equivalence:
+    """Whether the fitted surrogate is as good as the filters, by two one-sided tests at 5 %."""
+
+    plant: str
+    estimator: str
+    metric: str
+    margin: float
+    difference: float | None  # filter - fitted
+    low: float | None  # of the 90 % interval
+    high: float | None
+    n: int
+    equivalent: bool | None  # None where undefined
+
+
+def paired(study: xr.Dataset) -> list[Paired]:
+    """Compares all cases that differ in one factor; an earlier case minus a later one, particle minus rigid."""
+    found: list[Paired] = []
+    for factor in FACTORS:
+        family = [
+            Paired(
+                factor=factor,
+                a=str(one.case.item()),
+                b=str(other.case.item()),
+                metric=measure.name,
+                **asdict(_compared(measure, factor, one, other)),
+                p_holm=None,
+            )
+            for one, other in _pairs(study, factor)
+            for measure in MEASURES
+        ]
+        found += [replace(one, p_holm=p) for one, p in zip(family, statistics.holm([o.p for o in family]), strict=True)]
+    return found
+
+
+def interactions(study: xr.Dataset) -> list[Interaction]:
+    """Tells for each estimator whether the body's effect differs between two perceptions."""
+    seed, found = int(study.attrs["seed"]), []
+    for (one, other), (third, fourth) in itertools.combinations(_pairs(study, "plant"), 2):
+        if one.estimator != third.estimator:
+            continue
+        for measure in TESTED:
+            first, second = (measure.values(a) - measure.values(b) for a, b in ((one, other), (third, fourth)))
+            difference = statistics.paired_difference(first, second, seed)
+            found.append(
+                Interaction(
+                    estimator=str(one.estimator.item()),
+                    a=str(one.perception.item()),
+                    b=str(third.perception.item()),
+                    metric=measure.name,
+                    **asdict(difference),
+                    p_holm=None,
+                )
+            )
+    adjusted = statistics.holm([one.p for one in found])
+    return [replace(one, p_holm=p) for one, p in zip(found, adjusted, strict=True)]
+
+
+def equivalences(study: xr.Dataset) -> list[Equivalence]:
+    """Judges the fitted surrogate against the filters, where a study has both."""
+    found = []
+    for one, other in _pairs(study, "perception"):
+        names = [str(case.perception.item()) for case in (one, other)]
+        if sorted(names) != ["filter", "fitted"]:
+            continue
+        if names[0] == "fitted":
+            one, other = other, one
+        for measure in TESTED:
+            if (margin := MARGINS.get(measure.name)) is None:
+                continue
+            difference = _difference(measure, one, other, _EQUIVALENCE_CONFIDENCE)
+            low, high = difference.low, difference.high
+            found.append(
+                Equivalence(
+                    plant=str(one.plant.item()),
+                    estimator=str(one.estimator.item()),
+                    metric=measure.name,
+                    margin=margin,
+                    difference=difference.difference,
+                    low=low,
+                    high=high,
+                    n=difference.n,
+                    equivalent=None if low is None or high is None else -margin <= low and high <= margin,
+                )
+            )
+    return found
+
+
+def _pairs(study: xr.Dataset, factor: Factor) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
+    """Yields the cases that differ in one factor alone."""
+    cases = [study.isel(case=index) for index in range(study.sizes["case"])]
+    others = [name for name in FACTORS if name != factor]
+    for one, other in itertools.combinations(cases, 2):
+        if one[factor] == other[factor] or any(one[name] != other[name] for name in others):
+            continue
+        yield (other, one) if factor == "plant" and str(one.plant.item()) == "rigid" else (one, other)
+
+
+def _compared(measure: Measure, factor: Factor, one: xr.Dataset, other: xr.Dataset) -> Difference:
+    """Compares two cases by a measure, as far as it may be."""
+    if factor not in measure.factors:
+        return Difference(difference=None, low=None, high=None, n=0, p=None)
+    difference = _difference(measure, one, other)
+    return difference if measure.tested else replace(difference, p=None)
+
+
+def _difference(
+    measure: Measure, one: xr.Dataset, other: xr.Dataset, confidence: float = statistics.CONFIDENCE
+) -> Difference:
+    a, b = measure.values(one), measure.values(other)
+    if measure.rate:
+        return statistics.paired_rates(a, b, confidence)
+    # The seed is the study's: the same Dataset gives the same interval.
+    return statistics.paired_difference(a, b, int(one.attrs["seed"]), confidence)
+
+
+def of_factor(differences: Sequence[Paired], factor: Factor) -> list[Paired]:
+    """Returns the differences between the levels of one factor."""
+    return [one for one in differences if one.factor == factor]
