@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from dynabot_mj import configuration, figures, study
+from dynabot_mj.experiments import compare
 
 
 @pytest.fixture(scope="module")
@@ -32,13 +33,23 @@ def test_trajectories_show_both_plants_and_the_wells_rings(dataset):
     plt.close(figure)
 
 
-def test_bars_are_paper_particle_and_rigid_of_each_method(dataset, tmp_path):
-    figure = figures.table_iii(dataset)
+def test_table_iii_is_the_paper_beside_point_masses(dataset, tmp_path):
+    figure = figures.table_iii(compare.compared(dataset))
     heights = [bar.get_height() for bar in figure.axes[0].patches]
-    assert len(heights) == 6
+    assert len(heights) == 4
     assert heights[0] == 33.0
     figures.save(figure, tmp_path / "table.png")
     assert (tmp_path / "table.png").stat().st_size < 300_000
+
+
+def test_outcomes_are_those_that_plants_are_compared_by(dataset):
+    changed = dataset.copy(deep=True)
+    changed.collision_footprint[:] = 0.0
+    changed.collision_footprint[{"case": 3}] = [1.0, 0.0]
+    figure = figures.outcomes(compare.compared(changed))
+    assert len(figure.axes) == 4
+    assert [bar.get_height() for bar in figure.axes[2].patches] == [0.0, 0.0, 0.0, 50.0]
+    plt.close(figure)
 
 
 def test_the_same_figure_is_the_same_file(dataset, tmp_path):

@@ -1,5 +1,8 @@
+import itertools
+
 import numpy as np
 import pytest
+from scipy import stats
 
 from dynabot_mj import statistics
 
@@ -38,7 +41,68 @@ def test_bootstrap_interval_is_that_of_the_mean_and_is_seeded():
     a = np.random.default_rng(0).normal(1.0, 2.0, 400)
     difference = statistics.paired_difference(a, np.zeros(400), seed=3)
     assert difference == statistics.paired_difference(a, np.zeros(400), seed=3)
-    # For 400 values the percentile interval is mean -+ 1.96 s / 20 up to skewness and resampling, a few percent.
+    # For 400 values the interval is mean -+ 1.96 s / 20 up to skewness and resampling, a few percent.
     half = 1.95996 * a.std(ddof=1) / 20.0
     assert difference.low == pytest.approx(a.mean() - half, abs=0.1 * half)
     assert difference.high == pytest.approx(a.mean() + half, abs=0.1 * half)
+
+
+def test_bca_corrects_for_skewness_and_a_constant_has_an_interval_of_no_width():
+    skewed = np.random.default_rng(1).exponential(1.0, 200)
+    found = statistics.bootstrapped(skewed)
+    assert found.high - found.mean > found.mean - found.low
+    assert statistics.bootstrapped([2.0, 2.0, np.nan]) == statistics.MeanInterval(mean=2.0, low=2.0, high=2.0)
+
+
+def test_the_permutation_test_is_exact_where_it_can_be():
+    """Six pairs all on one side: of the 64 ways to sign them, the two extreme ones are as extreme."""
+    assert statistics.paired_difference([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], np.zeros(6)).p == pytest.approx(2 / 64)
+    assert statistics.paired_difference([1.0, -1.0, 2.0, -2.0], np.zeros(4)).p == 1.0
+
+
+def test_hazard_by_hand():
+    # No event in 100 min: the upper bound of a Poisson mean is -ln 0.025 = 3.689.
+    assert statistics.hazard(0, 100.0).high == pytest.approx(0.03689, abs=1e-5)
+    three = statistics.hazard(3, 10.0)
+    # Exact: the means at which 3 or more, and 3 or fewer, have a probability of 2.5 %.
+    assert stats.poisson.sf(2, 10.0 * three.low) == pytest.approx(0.025)
+    assert stats.poisson.cdf(3, 10.0 * three.high) == pytest.approx(0.025)
+    assert statistics.hazard(0, 0.0).rate is None
+
+
+def pairs(more, less, n):
+    """Zeros and ones with that many pairs that differ either way."""
+    a = np.r_[np.ones(more), np.zeros(n - more)]
+    b = np.r_[np.zeros(more), np.ones(less), np.zeros(n - more - less)]
+    return a, b
+
+
+def test_mcnemars_exact_test_by_hand():
+    four = statistics.paired_rates(*pairs(4, 0, 100))
+    assert (four.difference, four.n, four.p) == (0.04, 100, 0.125)  # 2 / 2^4
+    assert four.low < 0.0 < four.high  # where a percentile bootstrap excludes zero
+    assert statistics.paired_rates(*pairs(6, 0, 100)).low > 0.0  # 2 / 2^6 = 0.031
+    assert statistics.paired_rates(*pairs(0, 0, 100)).p == 1.0
+    assert statistics.paired_rates([np.nan], [1.0]).difference is None
+
+
+def test_tangos_interval_by_its_closed_form_without_discordant_pairs():
+    # With b = c = 0 the statistic is -n d / sqrt(n (2 q + d (1 - d))) with q = 0 for d > 0, and by symmetry: the
+    # bounds are +- z^2 / (n + z^2).
+    found = statistics.paired_rates(*pairs(0, 0, 100))
+    z2 = stats.norm.isf(0.025) ** 2
+    assert (found.low, found.high) == pytest.approx((-z2 / (100 + z2), z2 / (100 + z2)), abs=1e-6)
+
+
+def test_interval_and_exact_test_never_contradict_each_other():
+    for more, less in itertools.product(range(26), repeat=2):
+        low, high = statistics.paired_rates_interval(more, less, 60)
+        assert (low < 0.0 < high) == (statistics.paired_rates(*pairs(more, less, 60)).p > 0.05), (more, less)
+        mirrored = statistics.paired_rates_interval(less, more, 60)
+        assert (low, high) == pytest.approx((-mirrored[1], -mirrored[0]), abs=1e-9)
+
+
+def test_holm_by_hand_and_what_is_undefined_does_not_count():
+    # Sorted .01, .02, .03: times 3, 2, 1, each at least the one before.
+    assert statistics.holm([0.03, None, 0.01, 0.02]) == pytest.approx([0.04, None, 0.03, 0.04])
+    assert statistics.holm([None]) == [None]

@@ -3,26 +3,31 @@ import numpy as np
 import pytest
 
 from dynabot_mj import configuration, study, study_figures
+from dynabot_mj.experiments import compare
 
 
 @pytest.fixture
 def scored(dataset):
-    """A study in which, of three point-mass trials, one settles, one does not, and one collides."""
+    """A study in which, of three point-mass trials, one forms and touches later, one touches first, one neither."""
     changed = dataset.copy(deep=True)
     particle = {"case": 0}
-    changed.settling[particle] = [10.0, np.nan, np.nan]
-    changed.settled[particle] = [1.0, 0.0, np.nan]
+    changed.formation[particle] = [10.0, 5.0, np.nan]
+    changed.contact[particle] = [12.0, 3.0, np.nan]
     changed.closest[particle] = [2.0, 1.0, 0.1]
     return changed
 
 
-def test_trials_that_never_settle_keep_the_line_below_one(scored):
-    figure = study_figures.settling(scored)
-    line = figure.axes[0].lines[0]
-    assert line.get_label() == "point masses: 1 of 2 settle"
-    assert line.get_ydata()[-1] == 0.5
-    assert line.get_xdata().tolist() == [0.0, 10.0, 14.0]
+def test_formation_grows_from_below_and_contact_from_above(scored):
+    figure = study_figures.incidence(scored)
+    contact, formation = figure.axes[0].lines[:2]
+    assert formation.get_label() == "point masses: 1 form, 1 touch first"
+    assert formation.get_xdata().tolist() == [0.0, 10.0, 14.0]
+    assert formation.get_ydata().tolist() == pytest.approx([0.0, 1 / 3, 1 / 3])
+    assert contact.get_xdata().tolist() == [0.0, 3.0, 14.0]
+    assert contact.get_ydata().tolist() == pytest.approx([1.0, 2 / 3, 2 / 3])
     plt.close(figure)
+    older = scored.drop_vars(["arrival", "formation", "in_band", "contact", "overturned"])
+    assert study_figures.incidence(older) is None
 
 
 def test_smallest_distances_are_those_of_all_trials_and_tell_collisions(scored):
@@ -37,7 +42,7 @@ def test_smallest_distances_are_those_of_all_trials_and_tell_collisions(scored):
 def test_differences_are_particle_minus_rigid_with_their_intervals(dataset):
     changed = dataset.copy(deep=True)
     changed.top_speed[:] = [[2.0, 3.0, 4.0], [1.0, 2.0, 3.0]]
-    figure = study_figures.differences(changed)
+    figure = study_figures.differences(compare.compared(changed))
     titles = [axis.get_title() for axis in figure.axes]
     axis = figure.axes[titles.index("top speed [m/s]")]
     interval, place = axis.lines[:2]
@@ -49,8 +54,8 @@ def test_differences_are_particle_minus_rigid_with_their_intervals(dataset):
 
 def test_one_plant_has_no_differences():
     alone = study.run(configuration.build({}, trials=1, duration=1.0, estimators=["gps"], plants=["particle"]))
-    assert study_figures.differences(alone) is None
-    for draw in (study_figures.settling, study_figures.closest):  # too short to settle
+    assert study_figures.differences(compare.compared(alone)) is None
+    for draw in (study_figures.incidence, study_figures.closest):  # too short to form
         plt.close(draw(alone))
 
 

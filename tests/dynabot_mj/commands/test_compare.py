@@ -10,6 +10,7 @@ def test_compare_writes_results_that_can_be_fed_back_in(dynabot, tmp_path):
     names = {file.name for file in (tmp_path / "a").iterdir() if not file.name.startswith(".")}
     assert names == {
         "study.nc", "study.toml", "execution.json", "table.md", "compare.json", "table_iii.png", "errors.png",
+        "outcomes.png", "incidence.png",
         "trajectories_perfect.png", "trajectories_gps.png", "trajectories_decoupled.png", "trajectories_coupled.png",
     }  # fmt: skip
     again = dynabot(

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from dynabot_mj import configuration, study
-from dynabot_mj.experiments import circle, compare
+from dynabot_mj.experiments import case_rows, circle, compare
 from dynabot_mj.report import csv_tables
 
 
@@ -14,11 +14,11 @@ def read(text):
 
 
 def test_cases_are_the_rows_of_the_comparison(dataset):
-    rows = read(csv_tables.of_study(dataset)["cases.csv"])
-    expected = compare.rows(dataset)
+    rows = read(csv_tables.of_study(compare.compared(dataset))["cases.csv"])
+    expected = case_rows.rows(dataset)
     assert [row["plant"] for row in rows] == ["particle", "rigid"]
     for row, one in zip(rows, expected, strict=True):
-        assert float(row["collision.high"]) == one.collision.high
+        assert float(row["collision_footprint.high"]) == one.collision_footprint.high
         assert float(row["top_speed_mps.mean"]) == one.top_speed_mps.mean
         assert float(row["estimate_error.position_rms_m"]) == one.estimate_error.position_rms_m
     assert rows[0]["hull_contact.rate"] == ""  # undefined for point masses
@@ -26,7 +26,7 @@ def test_cases_are_the_rows_of_the_comparison(dataset):
 
 def test_cases_without_errors_leave_their_columns_empty():
     setup = configuration.build({}, trials=1, duration=1.0, estimators=["perfect", "gps"], plants=["particle"])
-    tables = csv_tables.of_study(study.run(setup))
+    tables = csv_tables.of_study(compare.compared(study.run(setup)))
     perfect, gps = read(tables["cases.csv"])
     assert perfect["estimate_error.position_rms_m"] == ""
     assert float(gps["estimate_error.position_rms_m"]) > 0.0
@@ -37,7 +37,7 @@ def test_cases_without_errors_leave_their_columns_empty():
 def test_trials_are_all_there_with_units(dataset):
     changed = dataset.copy(deep=True)
     changed.settling[{"case": 0, "trial": 1}] = np.nan
-    rows = read(csv_tables.of_study(changed)["trials.csv"])
+    rows = read(csv_tables.of_study(compare.compared(changed))["trials.csv"])
     assert len(rows) == 2 * 3
     assert rows[1]["settling [s]"] == ""
     speeds = [float(row["top_speed [m/s]"]) for row in rows]
