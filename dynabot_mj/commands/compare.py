@@ -1,8 +1,12 @@
 """`dynabot compare`."""
 
 import argparse
+import shutil
+from typing import Any
 
 from dynabot_mj.commands import parsers, results, studies
+
+_READINGS = ".readings"  # folder of the finished parts of a sensitivity study, until it is complete
 
 
 def add(commands: parsers.Commands) -> None:
@@ -20,15 +24,23 @@ def add(commands: parsers.Commands) -> None:
         help="gauss-markov: the paper's error; filter: real estimators on simulated sensors; fitted: an error with the "
         "filters' statistics (default gauss-markov)",
     )
+    command.add_argument(
+        "--sensitivity",
+        action="store_true",
+        help="instead: the readings of the paper that are ours, one changed at a time, on point masses",
+    )
 
 
 def compare(options: argparse.Namespace) -> None:
     """Every estimator on both plants, the paper's Table III beside them."""
+    if options.sensitivity:
+        _sensitivity(options)
+        return
     from dynabot_mj import figures, study_figures
     from dynabot_mj.experiments import compare as experiment
     from dynabot_mj.experiments import compare_tables, in_loop
 
-    setup = studies.build(options, plants=options.plants, estimators=options.estimators, perception=options.perception)
+    setup = _setup(options)
     folder = results.open_folder(options, "compare")
     study, wall_s = studies.run(setup, folder, options, "compare")
     comparison = experiment.compared(study)
@@ -52,3 +64,30 @@ def compare(options: argparse.Namespace) -> None:
             figures.save(figures.trajectories(study, estimator, perception), stage / f"{name}.png")
     text = f"{table}\n{wall_s:.0f} s; results in {folder}"
     results.show(options, {**document, "wall_s": round(wall_s, 3)}, text)
+
+
+def _setup(options: argparse.Namespace) -> Any:
+    return studies.build(options, plants=options.plants, estimators=options.estimators, perception=options.perception)
+
+
+def _sensitivity(options: argparse.Namespace) -> None:
+    """Runs the study once for each reading."""
+    from dynabot_mj import configuration, figures, sensitivity_figure
+    from dynabot_mj.experiments import sensitivity
+
+    setup = sensitivity.prepared(_setup(options))
+    folder = results.open_folder(options, "sensitivity")
+
+    parts = folder / _READINGS
+
+    def run(name: str, changed: Any) -> Any:
+        place = parts / name.replace(" ", "-")
+        place.mkdir(parents=True, exist_ok=True)
+        return studies.run(changed, place, options, name, notes=changed is setup)[0]
+
+    found = sensitivity.examine(setup, run)
+    document, text = sensitivity.document(found), sensitivity.markdown(found)
+    with results.report(options, folder, "sensitivity", document, text) as stage:
+        (stage / "study.toml").write_text(configuration.dump(setup), encoding="utf-8")
+        figures.save(sensitivity_figure.sensitivity(found), stage / "sensitivity.png")
+    shutil.rmtree(parts)

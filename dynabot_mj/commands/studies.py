@@ -38,8 +38,15 @@ def build(options: argparse.Namespace, defaults: Mapping[str, Any] = _NONE, **ot
     return configuration.build(defaults, **given)
 
 
-def run(setup: Any, folder: Path, options: argparse.Namespace, title: str) -> tuple[Any, float]:
+def run(setup: Any, folder: Path, options: argparse.Namespace, title: str, *, notes: bool = True) -> tuple[Any, float]:
     """Runs a study with progress; its finished chunks outlive an interruption.
+
+    Args:
+        setup: Its configuration.
+        folder: Of its results, which the chunks are kept in until it is complete.
+        options: How it is executed.
+        title: Of the progress.
+        notes: Whether to say what rounding does to the load.
 
     Returns:
         The Dataset and the time that it took [s].
@@ -48,7 +55,7 @@ def run(setup: Any, folder: Path, options: argparse.Namespace, title: str) -> tu
     from dynabot_mj.execution import Execution
 
     start = time.monotonic()
-    for estimator, load in scenario.loads(setup).items():
+    for estimator, load in scenario.loads(setup).items() if notes else ():
         note_load(estimator, load, setup.processor.utilisation)
 
     execution = Execution(

@@ -25,7 +25,7 @@ def markdown(case: xr.Dataset) -> str:
         ["the paper's completion, within the method's own sigma", _yes(case, "completion")],
     ]
     heading = f"# {case.case.item()}, trial {case.trial.values[0]}: {title(case)}"
-    told = tables.aligned(["", ""], body) if known else ["The trial diverged: its simulation broke down."]
+    told = tables.aligned(["measure", "value"], body) if known else ["The trial diverged: its simulation broke down."]
     periods = f"T_s = {1e3 * case.sample_period.item():g} ms, T_c = {1e3 * case.control_period.item():g} ms"
     gains = f"gains {case.alpha_h.item():g}, {case.alpha_d.item():g}"
     return "\n".join(

@@ -30,3 +30,16 @@ def test_compare_writes_results_that_can_be_fed_back_in(dynabot, tmp_path):
     text = dynabot("compare", "--config", tmp_path / "a" / "study.toml", "--out", tmp_path / "b")
     assert "| decoupled" in text.stdout
     assert str(tmp_path / "b") in text.stdout
+
+
+def test_sensitivity_is_a_study_of_its_own_and_leaves_no_parts(dynabot, tmp_path):
+    line = ["compare", "--sensitivity", "--trials", 1, "--duration", 1, "--estimators", "gps", "--workers", 1, "--json"]
+    done = dynabot(*line, "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert len(json.loads(done.stdout)["readings"]) > 15
+    assert {file.name for file in tmp_path.iterdir()} == {
+        ".results", "study.toml", "sensitivity.json", "sensitivity.md", "sensitivity.png",
+    }  # fmt: skip
+    refused = dynabot("compare", "--sensitivity", "--plants", "rigid", "--out", tmp_path)
+    assert refused.returncode == 2
+    assert refused.stderr.startswith("dynabot: plants = rigid given with --sensitivity")
