@@ -1,7 +1,9 @@
 """Intervals and tests, 95 % throughout: what a sample allows to say, and no more.
 
 rate          Wilson's score interval.
-mean          mean and standard deviation; `bootstrapped` adds the BCa bootstrap interval of Efron (1987).
+mean          mean and standard deviation; `bootstrapped` adds the BCa bootstrap interval of Efron (1987), which holds
+              too seldom where a few trials are far from all others.
+median        with the exact, distribution-free interval of two order statistics: what stands beside such a mean.
 hazard        events over time at risk, with the exact interval of a Poisson count.
 paired means  BCa interval of the mean difference and a permutation test, in which each pair's difference changes its
               sign: the same trials under two conditions are exchangeable where the conditions do not matter.
@@ -57,6 +59,15 @@ class MeanInterval:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Median:
+    """A median with its exact interval; None where there are too few values."""
+
+    median: float | None
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Hazard:
     """Events over time at risk [1/min]; None where nobody was at risk."""
 
@@ -76,6 +87,7 @@ class Difference:
     high: float | None
     n: int
     p: float | None
+    median: Median | None = None  # of the differences; None for rates
 
 
 def rate(values: npt.ArrayLike) -> Rate:
@@ -129,6 +141,21 @@ def bootstrapped(values: npt.ArrayLike, seed: int = 0, confidence: float = CONFI
     return MeanInterval(mean=middle, low=float(interval.low), high=float(interval.high))
 
 
+def median(values: npt.ArrayLike) -> Median:
+    """Returns the median of the values that are not NaN.
+
+    The k-th smallest and the k-th largest of n values hold the median between them with the probability that at least k
+    and at most n - k of n fair coins show heads.
+    """
+    ordered = np.sort(_finite(values))
+    n = len(ordered)
+    if n == 0:
+        return Median(median=None, low=None, high=None)
+    k = int(stats.binom.ppf(0.5 * (1.0 - CONFIDENCE), n, 0.5))
+    low, high = (float(ordered[k - 1]), float(ordered[n - k])) if k else (None, None)
+    return Median(median=float(np.median(ordered)), low=low, high=high)
+
+
 def hazard(k: int, minutes: float) -> Hazard:
     """Returns the rate of k events in a time at risk [min] with the exact interval of a Poisson count."""
     if minutes <= 0.0:
@@ -160,7 +187,8 @@ def paired_difference(a: npt.ArrayLike, b: npt.ArrayLike, seed: int = 0, confide
             rng=np.random.default_rng(seed),
         )
         p = float(test.pvalue)
-    return Difference(difference=interval.mean, low=interval.low, high=interval.high, n=n, p=p)
+    low, high = interval.low, interval.high
+    return Difference(difference=interval.mean, low=low, high=high, n=n, p=p, median=median(difference))
 
 
 def paired_rates(a: npt.ArrayLike, b: npt.ArrayLike, confidence: float = CONFIDENCE) -> Difference:

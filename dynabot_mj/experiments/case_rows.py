@@ -9,7 +9,7 @@ from dynabot_mj import statistics
 from dynabot_mj.arrays import Array
 from dynabot_mj.experiments import in_loop, measures
 from dynabot_mj.experiments.in_loop import EstimateError
-from dynabot_mj.statistics import Hazard, Mean, MeanInterval, Rate
+from dynabot_mj.statistics import Hazard, Mean, MeanInterval, Median, Rate
 from dynabot_mj.testbed import TABLE_III
 
 
@@ -17,11 +17,11 @@ from dynabot_mj.testbed import TABLE_III
 class Restricted(MeanInterval):
     """Mean of a first-passage time up to a horizon, which counts for trials without the event or with a contact first.
 
-    The median is over all trials, None where less than half of them have the event.
+    The median and the bounds of its interval are over all trials; None where they are beyond the horizon.
     """
 
     horizon_s: float
-    median: float | None
+    median: Median
     without: Rate
 
 
@@ -150,14 +150,17 @@ def _restricted(case: xr.Dataset, name: str) -> Restricted:
     times, horizon = measures.restricted(case, name), float(case.attrs["duration"])
     known: Array = times[np.isfinite(times)]
     without = known >= horizon
-    # What has the event at the horizon itself is told as without; it has measure zero.
-    middle = float(np.median(known)) if len(known) else horizon
+    middle = statistics.median(known)
     return Restricted(
         **asdict(statistics.bootstrapped(known, int(case.attrs["seed"]))),
         horizon_s=horizon,
-        median=middle if middle < horizon else None,
+        median=Median(**{name: _before(horizon, bound) for name, bound in asdict(middle).items()}),
         without=statistics.rate(without),
     )
+
+
+def _before(horizon: float, time: float | None) -> float | None:
+    return time if time is not None and time < horizon else None
 
 
 def _hazard(case: xr.Dataset) -> ContactHazard:

@@ -8,7 +8,7 @@ one factor (of one table) are one family for Holm's adjustment.
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 
 import xarray as xr
 
@@ -75,7 +75,7 @@ def paired(study: xr.Dataset) -> list[Paired]:
                 a=str(one.case.item()),
                 b=str(other.case.item()),
                 metric=measure.name,
-                **asdict(_compared(measure, factor, one, other)),
+                **vars(_compared(measure, factor, one, other)),
                 p_holm=None,
             )
             for one, other in _pairs(study, factor)
@@ -100,7 +100,7 @@ def interactions(study: xr.Dataset) -> list[Interaction]:
                     a=str(one.perception.item()),
                     b=str(third.perception.item()),
                     metric=measure.name,
-                    **asdict(difference),
+                    **vars(difference),
                     p_holm=None,
                 )
             )

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from dynabot_mj.statistics import Hazard, Mean, MeanInterval, Rate
+from dynabot_mj.statistics import Hazard, Mean, MeanInterval, Median, Rate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +52,20 @@ def interval(value: MeanInterval | Hazard, digits: int = 1) -> str:
     return (
         text if value.low is None or value.high is None else f"{text} [{value.low:.{digits}f}, {value.high:.{digits}f}]"
     )
+
+
+def median(value: Median, digits: int = 1, sign: str = "") -> str:
+    """Returns a median and its interval, open where a bound is not known, or a dash.
+
+    Args:
+        value: The median.
+        digits: Behind the point.
+        sign: `+` shows the sign of positive numbers too.
+    """
+    if value.median is None:
+        return "-"
+    low, high = ("..." if one is None else f"{one:{sign}.{digits}f}" for one in (value.low, value.high))
+    return f"{value.median:{sign}.{digits}f} [{low}, {high}]"
 
 
 def rate(value: Rate) -> str:

@@ -33,6 +33,7 @@ PAYLOADS = (0.0, 4.0)  # [kg]
 PERIODS = (0.010, 0.027, 0.036, 0.156)  # T_c [s]
 _TUNING, _VALIDATION = 0, 1  # purposes of random manoeuvres
 _ITERATIONS = 60
+_AT_BOUND = 0.005  # share of its range within which a gain is at its bound
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -239,8 +240,8 @@ def markdown(result: Result, models: Parity) -> str:
     request, solution, validation = result.request, result.solution, result.validation
     old, new = _gains(request.against), solution.gains
     table = [
-        [name, f"{_value(old, request, name):.4g}", f"{_value(new, request, name):.4g}", f"{low:g} to {high:g}"]
-        for name, (low, high) in ((name, tuning.BOUNDS[name]) for name in tuning.free(request.steering))
+        [name, *(f"{_value(one, request, name):.4g}" for one in (old, new)), _bounds(name, _value(new, request, name))]
+        for name in tuning.free(request.steering)
     ]
     body = [
         [f"{one.friction:g}", f"{one.payload_kg:g}", f"{one.period_ms:g}", *_costs(one.cost_before, one.cost_after)]
@@ -274,6 +275,13 @@ def _gains(name: str) -> Gains:
         return gain_sets.load(name)
     except (FileNotFoundError, ValueError) as error:
         raise InputError(str(error)) from error
+
+
+def _bounds(name: str, tuned: float) -> str:
+    """Returns between what a gain was sought, and whether it ended there: the optimum may lie beyond."""
+    low, high = tuning.BOUNDS[name]
+    near = min(tuned - low, high - tuned) < _AT_BOUND * (high - low)
+    return f"{low:g} to {high:g}" + (", at its bound" if near else "")
 
 
 def _value(gains: Gains, request: Request, name: str) -> float:

@@ -106,3 +106,12 @@ def test_holm_by_hand_and_what_is_undefined_does_not_count():
     # Sorted .01, .02, .03: times 3, 2, 1, each at least the one before.
     assert statistics.holm([0.03, None, 0.01, 0.02]) == pytest.approx([0.04, None, 0.03, 0.04])
     assert statistics.holm([None]) == [None]
+
+
+def test_the_medians_interval_is_of_order_statistics():
+    values = np.random.default_rng(0).permutation(np.arange(1.0, 101.0))
+    found = statistics.median(values)
+    # Of 100 coins, 39 heads or fewer have a probability of 1.76 %, 40 or fewer of 2.84 %: the 40th and the 61st.
+    assert (found.median, found.low, found.high) == (50.5, 40.0, 61.0)
+    assert statistics.median([1.0, 2.0, np.nan]) == statistics.Median(median=1.5, low=None, high=None)
+    assert statistics.median([]).median is None

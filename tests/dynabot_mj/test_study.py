@@ -83,3 +83,15 @@ def test_friction_by_trial_is_repeatable_whatever_the_chunks(monkeypatch):
     # Other draws than one friction for all.
     same = study.run(replace(setup, vehicle=replace(setup.vehicle, friction="model")))
     assert (same.wheel_slip != whole.wheel_slip).all()
+
+
+def test_a_study_of_an_older_version_is_read_and_judged_as_today(dataset, tmp_path):
+    """Older ones have no first passages, and their common completion counted collisions of centres."""
+    old = dataset.drop_vars(["arrival", "formation", "in_band", "contact", "overturned"])
+    old["completion_common"] = (("case", "trial"), np.array([[1.0, 1.0, np.nan], [1.0, 0.0, 1.0]]))
+    old["collision_footprint"] = (("case", "trial"), np.array([[1.0, 0.0, np.nan], [0.0, 1.0, 0.0]]))
+    study.save(old, tmp_path / "study.nc")
+    read = study.load(tmp_path / "study.nc")
+    np.testing.assert_array_equal(read.completion_common, [[0.0, 1.0, np.nan], [1.0, 0.0, 1.0]])
+    assert study.missing(read) == []
+    assert study.missing(read.drop_vars("closest")) == ["closest"]

@@ -32,7 +32,7 @@ def test_document_is_json_without_nan_and_with_the_keys_of_the_interface(dataset
     assert set(document["rows"][0]["time_to_formation_s"]) == restricted
     assert set(document["rows"][0]["collision_hulls_per_min"]) == {"rate", "low", "high", "k", "minutes", "excluded"}
     assert set(document["paired"][0]) == {
-        "factor", "a", "b", "metric", "difference", "low", "high", "n", "p", "p_holm",
+        "factor", "a", "b", "metric", "difference", "low", "high", "n", "p", "p_holm", "median",
     }  # fmt: skip
     assert document["rows"][0]["paper"] == {"settling_s": 33.0, "collision": 0.0, "completion": 1.0}
 

@@ -104,3 +104,10 @@ def test_a_second_start_point_reaches_the_same_cost():
         assert solution.converged
         costs.append(solution.cost_after)
     assert costs[0] == pytest.approx(costs[1], rel=0.02)
+
+
+def test_a_gain_that_ended_at_its_bound_is_told():
+    low, high = tuning.BOUNDS["scrub_torque"]
+    assert tune_traction._bounds("scrub_torque", 0.5 * (low + high)) == f"{low:g} to {high:g}"
+    for value in (low, high - 1e-3):
+        assert tune_traction._bounds("scrub_torque", value) == f"{low:g} to {high:g}, at its bound"
