@@ -103,12 +103,12 @@ def tracking(report: Report) -> Figure:
         friction = [one.friction for one in report.frictions]
         ratio = [
             np.nan
-            if one.settling_s.mean is None or one.particle_settling_s.mean is None
-            else one.settling_s.mean / one.particle_settling_s.mean
+            if one.formation_s.mean is None or one.particle_formation_s.mean is None
+            else one.formation_s.mean / one.particle_formation_s.mean
             for one in report.frictions
         ]
         for values, colour, marker, label in (
-            (ratio, ROBOT_COLOURS[0], "o", "settling / that of particles"),
+            (ratio, ROBOT_COLOURS[0], "o", "time to formation / particles'"),
             ([one.velocity_rms_mps for one in report.frictions], ROBOT_COLOURS[5], "s", "velocity RMS [m/s]"),
             ([one.largest_slip_mps for one in report.frictions], ROBOT_COLOURS[2], "^", "largest slip [m/s]"),
         ):

@@ -25,4 +25,8 @@ def test_the_report_has_every_law_on_every_kind_of_course(monkeypatch, tmp_path,
     # The same trial, so the same particles.
     assert formation["particle_settling_s"] == slippery["particle_settling_s"]
     assert formation["settling_s"]["mean"] == pytest.approx(formation["particle_settling_s"]["mean"], rel=0.1)
+    assert formation["formation_s"]["mean"] == pytest.approx(formation["particle_formation_s"]["mean"], rel=0.1)
+    assert formation["formation_delay_s"]["difference"] == pytest.approx(
+        formation["formation_s"]["mean"] - formation["particle_formation_s"]["mean"]
+    )
     assert {"tracking.json", "tracking.md", "tracking.png"} <= {file.name for file in tmp_path.iterdir()}
