@@ -182,10 +182,13 @@ def ranking(metric: str, rows: Sequence[Row], differences: Sequence[Paired]) -> 
         for one in differences
         if one.metric == metric and one.p_holm is not None and one.p_holm < ALPHA
     }
-    text = known[0] if known else "-"
+    tied = [known[:1]]
     for before, after in itertools.pairwise(known):
-        text += f" {'<' if frozenset((before, after)) in apart else '~'} {after}"
-    return text
+        if frozenset((before, after)) in apart:
+            tied.append([])
+        tied[-1].append(after)
+    # What cannot be told apart stands in one order always.
+    return " < ".join(" ~ ".join(sorted(names, key=ESTIMATORS.index)) for names in tied) or "-"
 
 
 def document(result: Sensitivity) -> dict[str, Any]:

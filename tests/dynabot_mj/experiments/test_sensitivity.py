@@ -54,7 +54,7 @@ def test_estimators_that_cannot_be_told_apart_are_not_ranked(dataset):
         paired("gps", "coupled", 0.01),
         paired("decoupled", "coupled", 0.2),
     ]
-    assert sensitivity.ranking("completion_common", rows, differences) == "coupled ~ decoupled < gps"
+    assert sensitivity.ranking("completion_common", rows, differences) == "decoupled ~ coupled < gps"
 
 
 def test_the_whole_is_told_as_tables_json_and_a_figure():
