@@ -164,7 +164,9 @@ def hazard(k: int, minutes: float) -> Hazard:
     return Hazard(rate=k / minutes, low=float(low), high=float(high), k=k, minutes=minutes)
 
 
-def paired_difference(a: npt.ArrayLike, b: npt.ArrayLike, seed: int = 0, confidence: float = CONFIDENCE) -> Difference:
+def paired_difference(
+    a: npt.ArrayLike, b: npt.ArrayLike, seed: int = 0, confidence: float = CONFIDENCE, *, tested: bool = True
+) -> Difference:
     """Returns the mean of a - b over the trials where both have a value.
 
     Args:
@@ -172,12 +174,13 @@ def paired_difference(a: npt.ArrayLike, b: npt.ArrayLike, seed: int = 0, confide
         b: The same trials under another condition.
         seed: Of bootstrap and permutations.
         confidence: Of the interval.
+        tested: Whether a p value is wanted.
     """
     difference = _finite(np.asarray(a, dtype=float) - np.asarray(b, dtype=float))
     n = len(difference)
     interval = bootstrapped(difference, seed, confidence)
     p = None
-    if n > 1:
+    if tested and n > 1:
         test = stats.permutation_test(
             (difference,),
             np.mean,

@@ -163,7 +163,7 @@ def _difference(
     if measure.rate:
         return statistics.paired_rates(a, b, confidence)
     # The seed is the study's: the same Dataset gives the same interval.
-    return statistics.paired_difference(a, b, int(one.attrs["seed"]), confidence)
+    return statistics.paired_difference(a, b, int(one.attrs["seed"]), confidence, tested=measure.tested)
 
 
 def of_factor(differences: Sequence[Paired], factor: Factor) -> list[Paired]:
