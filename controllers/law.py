@@ -1,7 +1,7 @@
 """What a control law is: a function from what robots know to the total force on each of them.
 
-The study's own law is the potential field of Eq. 8 (`controllers.potential_field`); any other function of this form can
-take its place, in the study and in the environment alike.
+The study's own law is the potential field of Eq. 8 (`dynabot_mj.controllers.potential_field`); any other function of
+this form can take its place, in the study and in the environment alike.
 """
 
 from collections.abc import Callable

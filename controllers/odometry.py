@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from controllers.axes import Axes, dot
+from dynabot_mj.controllers.axes import Axes, dot
 
 Array = npt.NDArray[np.float64]
 

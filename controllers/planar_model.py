@@ -22,8 +22,8 @@ import casadi
 import numpy as np
 import numpy.typing as npt
 
-from controllers.traction import SIDES
-from controllers.vehicle import Vehicle
+from dynabot_mj.controllers.traction import SIDES
+from dynabot_mj.controllers.vehicle import Vehicle
 
 Array = npt.NDArray[np.float64]
 Symbol = Any  # casadi.SX or casadi.MX

@@ -38,7 +38,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from controllers.axes import Axes, dot
+from dynabot_mj.controllers.axes import Axes, dot
 
 Array = npt.NDArray[np.float64]
 

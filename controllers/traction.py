@@ -18,9 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from controllers.axes import components_last
-from controllers.steering import Motion
-from controllers.vehicle import Vehicle
+from dynabot_mj.controllers.axes import components_last
+from dynabot_mj.controllers.steering import Motion
+from dynabot_mj.controllers.vehicle import Vehicle
 
 Array = npt.NDArray[np.float64]
 

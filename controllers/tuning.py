@@ -19,11 +19,11 @@ import casadi
 import numpy as np
 import numpy.typing as npt
 
-from controllers import planar_model
-from controllers.gains import Gains
-from controllers.steering import HandPoint, Heading
-from controllers.traction import SIDES, Traction
-from controllers.vehicle import Vehicle
+from dynabot_mj.controllers import planar_model
+from dynabot_mj.controllers.gains import Gains
+from dynabot_mj.controllers.steering import HandPoint, Heading
+from dynabot_mj.controllers.traction import SIDES, Traction
+from dynabot_mj.controllers.vehicle import Vehicle
 
 Array = npt.NDArray[np.float64]
 Symbol = Any  # casadi.SX or casadi.MX

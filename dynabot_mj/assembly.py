@@ -4,9 +4,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from controllers.potential_field import PotentialField, polygon_circumradius
 from dynabot_mj import scenario, scene
 from dynabot_mj.arrays import Array
+from dynabot_mj.controllers.potential_field import PotentialField, polygon_circumradius
+from dynabot_mj.estimation.build import build
 from dynabot_mj.filter_perception import FilterPerception
 from dynabot_mj.metrics import Formation
 from dynabot_mj.perception import Belief, FittedPerception, GaussMarkovPerception, Perception, PerfectPerception
@@ -16,7 +17,6 @@ from dynabot_mj.plants.rigid_body import RigidBodyPlant
 from dynabot_mj.scenario import Case, Scenario
 from dynabot_mj.streams import Purpose, generators
 from dynabot_mj.testbed import SETTLING_SHARE
-from estimation.build import build
 
 LEADER_W = np.zeros(2)  # the leader's position, known to every robot exactly and at once [m]
 

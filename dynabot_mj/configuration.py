@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
-from controllers.potential_field import polygon_circumradius
 from dynabot_mj import control_laws, filter_parameters, scene, sensor_errors
+from dynabot_mj.controllers.potential_field import polygon_circumradius
 from dynabot_mj.errors import InputError, one_line
 from dynabot_mj.scenario import (
     Methods,

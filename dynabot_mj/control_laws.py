@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from controllers import potential_field
-from controllers.law import Information, Law
-from controllers.potential_field import PotentialField
 from dynabot_mj.arrays import Array
+from dynabot_mj.controllers import potential_field
+from dynabot_mj.controllers.law import Information, Law
+from dynabot_mj.controllers.potential_field import PotentialField
 from dynabot_mj.errors import InputError
 
 BUILT_IN = "potential-field"

@@ -29,11 +29,11 @@ from typing import Literal, get_args
 import numpy as np
 from dm_env import specs
 
-from controllers import potential_field
-from controllers.law import Information
-from controllers.potential_field import Well
 from dynabot_mj import assembly, configuration, opengl, scenario, scene
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.controllers import potential_field
+from dynabot_mj.controllers.law import Information
+from dynabot_mj.controllers.potential_field import Well
 from dynabot_mj.errors import InputError
 from dynabot_mj.fleet_physics import FleetPhysics
 from dynabot_mj.radio import Radio

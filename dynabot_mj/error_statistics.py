@@ -17,10 +17,10 @@ import numpy.typing as npt
 from scipy import optimize
 
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.estimation.gauss_markov import Component
+from dynabot_mj.estimation.measurements import wrap
 from dynabot_mj.perception import Belief
 from dynabot_mj.plants import FleetState, NavigationError
-from estimation.gauss_markov import Component
-from estimation.measurements import wrap
 
 LAGS = (0.0, *(0.03125 * 2.0**k for k in range(11)))  # up to 32 s; each is rounded to a whole sample [s]
 MOST_SAMPLES = 20_000  # of each robot, from the beginning: more would not fit the memory, nor tell more

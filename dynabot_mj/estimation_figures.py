@@ -11,11 +11,11 @@ from matplotlib.transforms import Affine2D
 from dynabot_mj import names
 from dynabot_mj.arrays import Array
 from dynabot_mj.colours import METHOD_COLOURS
+from dynabot_mj.estimation.build import NAMES, Name
+from dynabot_mj.estimation.measurements import rotation, wrap
 from dynabot_mj.experiments import circle
 from dynabot_mj.experiments.circle import Chunk, Outcome
 from dynabot_mj.figures import STYLE
-from estimation.build import NAMES, Name
-from estimation.measurements import rotation, wrap
 
 _RUN = 0  # which of the example's is drawn
 _ACTUAL, _FITTED, _FARTHEST = "#B8B8B8", "#111111", "#D00000"

@@ -10,6 +10,7 @@ import functools
 import hashlib
 import importlib.metadata
 import multiprocessing
+import os
 import pickle
 import platform
 from collections.abc import Iterator, Mapping
@@ -17,10 +18,6 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import controllers
-import dynabot_mj
-import estimation
-import models
 from dynabot_mj import __version__, configuration, files, opengl, scenario
 from dynabot_mj.errors import InputError
 from dynabot_mj.scenario import Case, Scenario
@@ -29,6 +26,7 @@ from dynabot_mj.simulation import Outcome, Progress, simulate
 CHUNK = 50  # trials
 RECORDED = 1  # trajectories kept of each case, from the study's first trial on
 
+_SOURCES = (".py", ".xml", ".toml")  # files that results depend on
 _LIBRARIES = ("mujoco", "numpy", "scipy", "xarray", "h5netcdf", "h5py")
 
 
@@ -146,10 +144,11 @@ def versions() -> str:
 def _source_digest() -> str:
     """Returns a digest of our code and models: a resumed study must not mix the results of two versions of them."""
     digest = hashlib.sha256()
-    for package in (models, controllers, estimation, dynabot_mj):
-        folder = Path(package.__path__[0])
-        for file in sorted(file for kind in ("*.py", "*.xml", "*.toml") for file in folder.rglob(kind)):
-            digest.update(file.read_bytes())
+    # `models`, `controllers` and `estimation` are links in a checkout, which not every Python's rglob follows.
+    folders = os.walk(Path(__file__).parent, followlinks=True)
+    found = (Path(folder) / name for folder, _, names in folders for name in names)
+    for file in sorted(file for file in found if file.suffix in _SOURCES):
+        digest.update(file.read_bytes())
     return digest.hexdigest()
 
 

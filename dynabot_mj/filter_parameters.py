@@ -5,8 +5,8 @@ from dataclasses import fields
 from pydantic.dataclasses import dataclass
 
 from dynabot_mj.errors import InputError
+from dynabot_mj.estimation.parameters import Parameters
 from dynabot_mj.validation import LARGEST, STRICT
-from estimation.parameters import Parameters
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.estimation.estimator import Estimator
+from dynabot_mj.estimation.measurements import wrap
 from dynabot_mj.frames import to_body
 from dynabot_mj.perception import Belief
 from dynabot_mj.plants import FleetState, NavigationError
 from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.sensors import GRAVITY, Sensors
-from estimation.estimator import Estimator
-from estimation.measurements import wrap
 
 
 class FilterPerception:

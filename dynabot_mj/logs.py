@@ -10,11 +10,11 @@ import numpy as np
 
 from dynabot_mj import log_files
 from dynabot_mj.arrays import Array, measured
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample
 from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.log_columns import QUANTITIES
 from dynabot_mj.replay import Samples
 from dynabot_mj.sensor_errors import WheelErrors
-from estimation.measurements import GpsFix, ImuSample
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,8 +22,8 @@ import numpy as np
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from controllers.potential_field import Well, attraction
 from dynabot_mj.arrays import Array
+from dynabot_mj.controllers.potential_field import Well, attraction
 from dynabot_mj.errors import InputError, one_line
 
 Kind = Literal["step", "chirp", "circle", "figure-eight", "well", "noise"]

@@ -38,8 +38,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.potential_field import polygon_circumradius
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.controllers.potential_field import polygon_circumradius
 from dynabot_mj.geometry import Fit
 
 SMOOTHING = 3.0  # trailing mean [s]

@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.estimation import gauss_markov
+from dynabot_mj.estimation.gauss_markov import Component
 from dynabot_mj.plants import FleetState, NavigationError
 from dynabot_mj.streams import Draws, Purpose
-from estimation import gauss_markov
-from estimation.gauss_markov import Component
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,10 +6,10 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from dynabot_mj.estimation.build import Implementation
+from dynabot_mj.estimation.gauss_markov import Component
 from dynabot_mj.filter_parameters import FilterParameters
 from dynabot_mj.validation import STRICT, NotNegative, Positive
-from estimation.build import Implementation
-from estimation.gauss_markov import Component
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -7,11 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.estimation.estimator import Estimator
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample
 from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.sensors import Sensors
-from estimation.estimator import Estimator
-from estimation.measurements import GpsFix, ImuSample
 
 
 @dataclass(frozen=True, kw_only=True)

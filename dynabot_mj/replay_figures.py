@@ -13,14 +13,14 @@ from matplotlib.transforms import Affine2D
 
 from dynabot_mj.arrays import Array, BoolArray
 from dynabot_mj.colours import METHOD_COLOURS
+from dynabot_mj.estimation.build import Name
+from dynabot_mj.estimation.measurements import STALE
 from dynabot_mj.experiments import estimate
 from dynabot_mj.experiments.estimate import Replay
 from dynabot_mj.figures import STYLE
 from dynabot_mj.logs import Log
 from dynabot_mj.names import METHOD_NAMES
 from dynabot_mj.replay import Track
-from estimation.build import Name
-from estimation.measurements import STALE
 
 _TRUTH, _FIX = "#222222", "#B0B0B0"
 _TRIANGLES = 16  # along a path

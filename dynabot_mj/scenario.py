@@ -15,12 +15,13 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from controllers import gains, odometry
-from controllers.potential_field import PotentialField, Well, polygon_circumradius
-from controllers.steering import HandPoint, Heading
 from dynabot_mj import control_laws, scene, schedule, testbed
 from dynabot_mj.arrays import Array
+from dynabot_mj.controllers import gains, odometry
+from dynabot_mj.controllers.potential_field import PotentialField, Well, polygon_circumradius
+from dynabot_mj.controllers.steering import HandPoint, Heading
 from dynabot_mj.errors import InputError
+from dynabot_mj.estimation.build import Name
 from dynabot_mj.geometry import Fit
 from dynabot_mj.perception_options import FilterOptions, FittedError, FittedOptions
 from dynabot_mj.plants.local_laws import LocalLaws
@@ -28,7 +29,6 @@ from dynabot_mj.radio import INSTANT_LINK, Link, dynabot_link
 from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.streams import Purpose, generators
 from dynabot_mj.validation import STRICT, NotNegative, Positive
-from estimation.build import Name
 
 PlantName = Literal["particle", "rigid"]
 EstimatorName = Literal["perfect", "gps", "decoupled", "coupled"]
@@ -174,7 +174,8 @@ class Scenario:
     # Of the dissipation. auto: the true one for perfect and gauss-markov, else the estimated one, on both plants alike.
     # odometry (wheels and accelerometer) and reference (of the steering law) exist on the rigid plant only.
     velocity: VelocityName = "auto"
-    controller: str = control_laws.BUILT_IN  # or a function of the user's, `my_module:my_law`, see `controllers.law`
+    # Or a function of the user's, `my_module:my_law`, see `dynabot_mj.controllers.law`.
+    controller: str = control_laws.BUILT_IN
     mass: Positive | Literal["auto"] = "auto"  # of a particle [kg]; auto: that of the rigid robot with its payload
     collision_distance: Positive = 0.40  # between two centres, below which they have collided [m]; ours
     field: FieldOptions = FieldOptions()

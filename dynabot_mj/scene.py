@@ -8,8 +8,8 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-import models
-from controllers.vehicle import Vehicle
+from dynabot_mj import models
+from dynabot_mj.controllers.vehicle import Vehicle
 from dynabot_mj.errors import InputError
 
 _SETTLING_TIME = 2.0  # after which a robot put on the ground is at rest [s]

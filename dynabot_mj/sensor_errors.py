@@ -12,10 +12,10 @@ from pydantic.dataclasses import dataclass
 
 from dynabot_mj import sensor_faults
 from dynabot_mj.errors import InputError
+from dynabot_mj.estimation.parameters import Parameters
 from dynabot_mj.sensor_faults import Fault
 from dynabot_mj.testbed import TASK_TIMES
 from dynabot_mj.validation import STRICT, NotNegative, Positive, Share
-from estimation.parameters import Parameters
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

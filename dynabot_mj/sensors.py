@@ -24,13 +24,13 @@ import numpy as np
 from scipy import special
 
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.estimation import gauss_markov
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample, rotation, wrap
+from dynabot_mj.estimation.motion import turned
 from dynabot_mj.plants import FleetState
 from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.sensor_faults import Faults
 from dynabot_mj.streams import Draws, Purpose, generators
-from estimation import gauss_markov
-from estimation.measurements import GpsFix, ImuSample, rotation, wrap
-from estimation.motion import turned
 
 GRAVITY = 9.81  # [m/s^2]
 

@@ -12,9 +12,9 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from controllers.law import Information
 from dynabot_mj import assembly, control_laws, scenario
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.controllers.law import Information
 from dynabot_mj.error_statistics import ErrorRecorder, ErrorStatistics
 from dynabot_mj.metrics import Scores
 from dynabot_mj.perception import Belief, certain

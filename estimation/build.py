@@ -3,12 +3,12 @@
 import math
 from typing import Literal, get_args
 
-from estimation.coupled_ekf import CoupledEkf
-from estimation.decoupled_ekf import DecoupledEkf
-from estimation.estimator import Estimator, Filter
-from estimation.gps_extrapolation import GpsExtrapolation
-from estimation.parameters import DEFAULT, Parameters
-from estimation.robot_by_robot import FullStateRobotByRobot, RobotByRobot
+from dynabot_mj.estimation.coupled_ekf import CoupledEkf
+from dynabot_mj.estimation.decoupled_ekf import DecoupledEkf
+from dynabot_mj.estimation.estimator import Estimator, Filter
+from dynabot_mj.estimation.gps_extrapolation import GpsExtrapolation
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
+from dynabot_mj.estimation.robot_by_robot import FullStateRobotByRobot, RobotByRobot
 
 Name = Literal["gps", "decoupled", "coupled"]
 Implementation = Literal["batched", "filterpy"]
@@ -52,7 +52,7 @@ def _batched(name: Name, count: int, parameters: Parameters) -> Filter:
 
 def _twins(name: Name, count: int, parameters: Parameters) -> Filter:
     # FilterPy takes a second to import, and most uses do without it.
-    from estimation import filterpy_twins as twins
+    from dynabot_mj.estimation import filterpy_twins as twins
 
     match name:
         case "gps":

@@ -1,4 +1,4 @@
-"""The coupled EKF (Sec. III.B): all ten states in one extended Kalman filter, by the models of `estimation.motion`.
+"""The coupled EKF (Sec. III.B): all ten states in one filter, by the models of `dynabot_mj.estimation.motion`.
 
 The GPS position's slow error cannot be told from the position by fixes alone; it is observable through its assumed
 correlation time. So a first fix starts both with their full, opposite correlation.
@@ -7,12 +7,20 @@ correlation time. So a first fix starts both with their full, opposite correlati
 import numpy as np
 import numpy.typing as npt
 
-from estimation import kalman, motion
-from estimation.estimator import Rows
-from estimation.kalman import Update
-from estimation.measurements import GpsFix, ImuSample, rotation, wrap
-from estimation.motion import ACCELERATION_BIAS, HEADING, POSITION, POSITION_BIAS, STATES, VELOCITY, YAW_RATE_BIAS
-from estimation.parameters import DEFAULT, Parameters
+from dynabot_mj.estimation import kalman, motion
+from dynabot_mj.estimation.estimator import Rows
+from dynabot_mj.estimation.kalman import Update
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample, rotation, wrap
+from dynabot_mj.estimation.motion import (
+    ACCELERATION_BIAS,
+    HEADING,
+    POSITION,
+    POSITION_BIAS,
+    STATES,
+    VELOCITY,
+    YAW_RATE_BIAS,
+)
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]

@@ -14,18 +14,18 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from estimation import kalman
-from estimation.estimator import Rows
-from estimation.heading_filter import HeadingFilter
-from estimation.kalman import Update
-from estimation.measurements import GpsFix, ImuSample, rotation
-from estimation.motion import HEADING, STATES, YAW_RATE_BIAS, left, turned
-from estimation.parameters import DEFAULT, Parameters
+from dynabot_mj.estimation import kalman
+from dynabot_mj.estimation.estimator import Rows
+from dynabot_mj.estimation.heading_filter import HeadingFilter
+from dynabot_mj.estimation.kalman import Update
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample, rotation
+from dynabot_mj.estimation.motion import HEADING, STATES, YAW_RATE_BIAS, left, turned
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-# The sub-filters by the names of `estimation.motion.NAMES`.
+# The sub-filters by the names of `dynabot_mj.estimation.motion.NAMES`.
 GROUPS = (("X", "b_x"), ("Y", "b_y"), ("v_x", "v_y", "b_ax", "b_ay"), ("phi", "b_r"))
 
 
@@ -186,7 +186,7 @@ class DecoupledEkf:
         }
 
     def moments(self) -> tuple[Array, Array]:
-        """Returns the states in the order of `estimation.motion`, (M, 10), and their covariance, in blocks."""
+        """Returns the states in the order of `motion.NAMES`, (M, 10), and their covariance, in blocks."""
         state, covariance = np.zeros((len(self.velocity), STATES)), np.zeros((len(self.velocity), STATES, STATES))
         parts = [
             ([HEADING, YAW_RATE_BIAS], self.heading.state, self.heading.covariance),

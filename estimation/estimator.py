@@ -11,9 +11,9 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from estimation.kalman import Update
-from estimation.measurements import Estimate, GpsFix, ImuSample
-from estimation.parameters import DEFAULT, Parameters
+from dynabot_mj.estimation.kalman import Update
+from dynabot_mj.estimation.measurements import Estimate, GpsFix, ImuSample
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]

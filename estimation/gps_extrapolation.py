@@ -8,11 +8,11 @@ and a two-state filter has the heading. There is no gate: whatever the receiver 
 import numpy as np
 import numpy.typing as npt
 
-from estimation.estimator import Rows
-from estimation.heading_filter import HeadingFilter
-from estimation.kalman import Update
-from estimation.measurements import GpsFix, ImuSample
-from estimation.parameters import DEFAULT, Parameters
+from dynabot_mj.estimation.estimator import Rows
+from dynabot_mj.estimation.heading_filter import HeadingFilter
+from dynabot_mj.estimation.kalman import Update
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]

@@ -26,8 +26,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from estimation.measurements import ImuSample, rotation
-from estimation.parameters import Parameters
+from dynabot_mj.estimation.measurements import ImuSample, rotation
+from dynabot_mj.estimation.parameters import Parameters
 
 Array = npt.NDArray[np.float64]
 

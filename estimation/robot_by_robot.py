@@ -6,16 +6,16 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from estimation.estimator import Rows
-from estimation.kalman import Update
-from estimation.measurements import GpsFix, ImuSample
+from dynabot_mj.estimation.estimator import Rows
+from dynabot_mj.estimation.kalman import Update
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample
 
 Array = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
 
 class Robot(Protocol):
-    """`estimation.estimator.Filter` for one robot: samples and results have no leading axes."""
+    """`dynabot_mj.estimation.estimator.Filter` for one robot: samples and results have no leading axes."""
 
     def begin(self, fix: GpsFix, bearing: Array) -> None:
         """Starts with a first fix and bearing."""
@@ -54,12 +54,12 @@ class FullStateRobot(Robot, Protocol):
     """One that estimates all ten states."""
 
     def moments(self) -> tuple[Array, Array]:
-        """Returns the states in the order of `estimation.motion`, (10,), and their covariance, (10, 10)."""
+        """Returns the states in the order of `dynabot_mj.estimation.motion`, (10,), and their covariance, (10, 10)."""
         ...
 
 
 class RobotByRobot:
-    """M robots with filters of their own: an `estimation.estimator.Filter`."""
+    """M robots with filters of their own: an `dynabot_mj.estimation.estimator.Filter`."""
 
     def __init__(self, robots: Sequence[Robot]) -> None:
         """Takes the robots."""
@@ -117,7 +117,7 @@ class FullStateRobotByRobot(RobotByRobot):
         self._full = tuple(robots)
 
     def moments(self) -> tuple[Array, Array]:
-        """Returns the states in the order of `estimation.motion`, (M, 10), and their covariance, (M, 10, 10)."""
+        """Returns the states in the order of `motion.NAMES`, (M, 10), and their covariance, (M, 10, 10)."""
         states, covariances = zip(*[robot.moments() for robot in self._full], strict=True)
         return np.array(states), np.array(covariances)
 

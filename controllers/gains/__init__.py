@@ -13,8 +13,8 @@ from typing import Any, TypeVar
 
 import tomli_w
 
-from controllers.steering import HandPoint, Heading
-from controllers.traction import Traction
+from dynabot_mj.controllers.steering import HandPoint, Heading
+from dynabot_mj.controllers.traction import Traction
 
 _FOLDER = Path(__file__).resolve().parent
 _MAY_BE_ZERO = {"catch_up", "forget", "farthest", "preview", "deadband", "speed_gain", "yaw_gain", "scrub_torque"}

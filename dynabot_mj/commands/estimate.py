@@ -8,7 +8,7 @@ from dynabot_mj.commands import parsers, results
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    from estimation.build import IMPLEMENTATIONS, NAMES
+    from dynabot_mj.estimation.build import IMPLEMENTATIONS, NAMES
 
     command = parsers.command(commands, estimate, parsers.shared())
     command.add_argument("log", type=Path, metavar="LOG", help="CSV or NetCDF of sensor samples, see docs/logs.md")

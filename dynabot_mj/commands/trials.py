@@ -14,8 +14,8 @@ _CHOICES = {"plants": "plant", "estimators": "estimator", "perception": "percept
 
 def parser() -> argparse.ArgumentParser:
     """Returns the options that choose the trial, beside those of `parsers.science`."""
+    from dynabot_mj.estimation.build import IMPLEMENTATIONS
     from dynabot_mj.scenario import ESTIMATORS, PERCEPTIONS, PLANTS
-    from estimation.build import IMPLEMENTATIONS
 
     parser = argparse.ArgumentParser(add_help=False)
     parser.add_argument("--plant", choices=PLANTS, help="default rigid")

@@ -26,8 +26,8 @@ def add(commands: parsers.Commands) -> None:
 
 def tune(options: argparse.Namespace) -> None:
     """Tunes the local laws with CasADi, and judges the result in MuJoCo on courses that it was not tuned on."""
-    from controllers import gains as gain_sets
     from dynabot_mj import manoeuvres, progress, tracking_figures
+    from dynabot_mj.controllers import gains as gain_sets
     from dynabot_mj.experiments import parity as models
     from dynabot_mj.experiments import tune_traction as experiment
     from dynabot_mj.figures import save

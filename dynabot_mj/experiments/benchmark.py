@@ -15,12 +15,12 @@ import numpy as np
 
 from dynabot_mj import testbed
 from dynabot_mj.arrays import Array
+from dynabot_mj.estimation import build, filterpy_twins
+from dynabot_mj.estimation.estimator import Estimator, Filter
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 from dynabot_mj.experiments import tables
 from dynabot_mj.experiments.operations import Counted, Tally, inverse
-from estimation import build, filterpy_twins
-from estimation.estimator import Estimator, Filter
-from estimation.measurements import GpsFix, ImuSample
-from estimation.parameters import DEFAULT, Parameters
 
 ROBOTS, REPETITIONS = 300, 40
 _STEPS = 10  # timed at once
@@ -42,7 +42,7 @@ class FilterRow:
     estimator: build.Name
     batched_us: float  # per robot
     batched_fix_us: float
-    estimator_us: float  # per robot, the policy of `estimation.estimator` and copies of all beliefs included
+    estimator_us: float  # per robot, the policy of `dynabot_mj.estimation.estimator` and copies of all beliefs included
     estimator_fix_us: float
     filterpy_us: float  # of one robot
     filterpy_fix_us: float

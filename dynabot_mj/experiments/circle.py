@@ -19,6 +19,7 @@ from pydantic.dataclasses import dataclass
 
 from dynabot_mj import configuration, filter_parameters, replay, sensor_errors
 from dynabot_mj.errors import InputError, one_line
+from dynabot_mj.estimation import build
 from dynabot_mj.experiments import estimation_scores, kinematic, tether
 from dynabot_mj.experiments.best_fit import BestFit
 from dynabot_mj.experiments.estimation_scores import Consistency, Scores
@@ -28,7 +29,6 @@ from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.replay import Samples, Track
 from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.validation import STRICT
-from estimation import build
 
 PlantName = Literal["kinematic", "rigid"]
 PLANTS: tuple[PlantName, ...] = get_args(PlantName)

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from dynabot_mj import statistics, testbed
+from dynabot_mj.estimation.build import NAMES, Name
 from dynabot_mj.experiments import circle, tables
 from dynabot_mj.experiments.circle import Outcome
 from dynabot_mj.experiments.tables import Table
 from dynabot_mj.statistics import Mean, Rate
-from estimation.build import NAMES, Name
 
 
 @dataclass(frozen=True, kw_only=True)

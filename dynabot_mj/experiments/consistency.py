@@ -12,16 +12,16 @@ import numpy as np
 
 from dynabot_mj import replay
 from dynabot_mj.arrays import Array
+from dynabot_mj.estimation import motion
+from dynabot_mj.estimation.coupled_ekf import CoupledEkf
+from dynabot_mj.estimation.decoupled_ekf import GROUPS, DecoupledEkf
+from dynabot_mj.estimation.estimator import Estimator
+from dynabot_mj.estimation.kalman import Update
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 from dynabot_mj.experiments import consistency_bounds, estimation_scores, filter_checks
 from dynabot_mj.experiments.consistency_bounds import Kind, Squares, Whiteness
 from dynabot_mj.experiments.filter_checks import Drives
 from dynabot_mj.sensor_errors import GpsErrors, SensorOptions, matched
-from estimation import motion
-from estimation.coupled_ekf import CoupledEkf
-from estimation.decoupled_ekf import GROUPS, DecoupledEkf
-from estimation.estimator import Estimator
-from estimation.kalman import Update
-from estimation.parameters import DEFAULT, Parameters
 
 EkfName = Literal["coupled", "decoupled"]
 EKFS: tuple[EkfName, ...] = get_args(EkfName)

@@ -18,7 +18,7 @@ import numpy as np
 from scipy import stats
 
 from dynabot_mj.arrays import Array
-from estimation.kalman import Update
+from dynabot_mj.estimation.kalman import Update
 
 CONFIDENCE = 0.99
 LAGS = 10

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from dynabot_mj.arrays import Array
+from dynabot_mj.estimation import build
+from dynabot_mj.estimation.measurements import wrap
 from dynabot_mj.experiments.filter_checks import rms
 from dynabot_mj.experiments.troubles import BEGIN
 from dynabot_mj.ground_truth import GroundTruth
-from estimation import build
-from estimation.measurements import wrap
 
 NEAR = math.radians(15.0)  # of +-180 degrees
 SETTLED = 0.5 * BEGIN  # from when errors are judged [s]

@@ -8,13 +8,13 @@ import numpy as np
 
 from dynabot_mj import replay
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.estimation import build
+from dynabot_mj.estimation.build import Implementation, Name
+from dynabot_mj.estimation.measurements import STALE, wrap
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 from dynabot_mj.experiments import tables
 from dynabot_mj.logs import Log
 from dynabot_mj.replay import Track
-from estimation import build
-from estimation.build import Implementation, Name
-from estimation.measurements import STALE, wrap
-from estimation.parameters import DEFAULT, Parameters
 
 Progress = Callable[[float], None]
 

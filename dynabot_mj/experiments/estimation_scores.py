@@ -13,14 +13,14 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from dynabot_mj.arrays import Array
+from dynabot_mj.estimation import motion
+from dynabot_mj.estimation.estimator import Estimator
+from dynabot_mj.estimation.measurements import rotation, wrap
 from dynabot_mj.experiments import best_fit
 from dynabot_mj.experiments.best_fit import BestFit
 from dynabot_mj.experiments.kinematic import PathName
 from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.replay import Samples, Track
-from estimation import motion
-from estimation.estimator import Estimator
-from estimation.measurements import rotation, wrap
 
 
 @runtime_checkable

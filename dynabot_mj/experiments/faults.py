@@ -16,6 +16,8 @@ import numpy as np
 
 from dynabot_mj import replay, statistics
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.estimation import build
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample, wrap
 from dynabot_mj.experiments import filter_checks, troubles
 from dynabot_mj.experiments.crossings import Crossing, crossing
 from dynabot_mj.experiments.troubles import BEGIN, LONGEST, Trouble
@@ -23,8 +25,6 @@ from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.replay import Samples
 from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.statistics import Difference
-from estimation import build
-from estimation.measurements import GpsFix, ImuSample, wrap
 
 Progress = Callable[[float], None]
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers import potential_field
 from dynabot_mj import assembly, scenario
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.controllers import potential_field
 from dynabot_mj.metrics import Scores
 from dynabot_mj.plants import Plant
 from dynabot_mj.plants.rigid_body import RigidBodyPlant

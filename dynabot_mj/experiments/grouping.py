@@ -21,15 +21,15 @@ import numpy.typing as npt
 
 from dynabot_mj import replay
 from dynabot_mj.arrays import Array
+from dynabot_mj.estimation import motion
+from dynabot_mj.estimation.coupled_ekf import CoupledEkf
+from dynabot_mj.estimation.decoupled_ekf import GROUPS
+from dynabot_mj.estimation.estimator import Estimator, Rows
+from dynabot_mj.estimation.kalman import Update
+from dynabot_mj.estimation.measurements import GpsFix
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 from dynabot_mj.experiments import filter_checks, tables
 from dynabot_mj.sensor_errors import SensorOptions
-from estimation import motion
-from estimation.coupled_ekf import CoupledEkf
-from estimation.decoupled_ekf import GROUPS
-from estimation.estimator import Estimator, Rows
-from estimation.kalman import Update
-from estimation.measurements import GpsFix
-from estimation.parameters import DEFAULT, Parameters
 
 MEASUREMENTS = ("position x", "position y", "velocity", "bearing")
 _DURATION = 100.0  # [s]
@@ -45,7 +45,7 @@ class Grouping:
     seed: int
     runs: int
     # (10, 4) of each state's variance, removed by each of `MEASUREMENTS` in the period of a fix; states in the order of
-    # `estimation.motion.NAMES`
+    # `dynabot_mj.estimation.motion.NAMES`
     share: Array
 
     @property

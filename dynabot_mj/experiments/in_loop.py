@@ -13,8 +13,8 @@ import tomli_w
 import xarray as xr
 
 from dynabot_mj import error_statistics
+from dynabot_mj.estimation.gauss_markov import Component
 from dynabot_mj.experiments.tables import Table
-from estimation.gauss_markov import Component
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers import planar_model
 from dynabot_mj import scene
 from dynabot_mj.arrays import Array
+from dynabot_mj.controllers import planar_model
 from dynabot_mj.experiments.course import TURNING, Course
 
 

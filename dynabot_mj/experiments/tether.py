@@ -14,10 +14,10 @@ import mujoco
 import numpy as np
 from mujoco import batch
 
-from controllers import gains, traction
-from controllers.steering import Motion
 from dynabot_mj import scene
 from dynabot_mj.arrays import Array
+from dynabot_mj.controllers import gains, traction
+from dynabot_mj.controllers.steering import Motion
 from dynabot_mj.errors import DynabotError
 from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.plants import free_joint

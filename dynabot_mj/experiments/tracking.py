@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controllers.potential_field import polygon_circumradius
 from dynabot_mj import manoeuvres, scene, testbed
 from dynabot_mj.arrays import Array
+from dynabot_mj.controllers.potential_field import polygon_circumradius
 from dynabot_mj.manoeuvres import Courses
 from dynabot_mj.plants import Plant
 from dynabot_mj.plants.local_laws import LocalLaws

@@ -8,11 +8,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from controllers import gains as gain_sets
-from controllers import tuning
-from controllers.gains import Gains
 from dynabot_mj import manoeuvres, scene, statistics
 from dynabot_mj.arrays import Array
+from dynabot_mj.controllers import gains as gain_sets
+from dynabot_mj.controllers import tuning
+from dynabot_mj.controllers.gains import Gains
 from dynabot_mj.errors import InputError
 from dynabot_mj.execution import versions
 from dynabot_mj.experiments.parity import Parity

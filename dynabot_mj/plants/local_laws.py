@@ -1,21 +1,21 @@
 """The local laws of rigid robots: from force commands and what is sensed on board to motor commands.
 
 They run on what the robot has on board: yaw rate from the gyro, forward speed from wheel speeds and accelerometer
-(`controllers.odometry`), and its heading. Those are ideal, or as wrong as the perception says. Or the laws run on the
-truth, to tell one's errors from the other's.
+(`dynabot_mj.controllers.odometry`), and its heading. Those are ideal, or as wrong as the perception says. Or the laws
+run on the truth, to tell one's errors from the other's.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from controllers import axes, odometry, steering, traction
-from controllers.axes import Axes, components_first, components_last, dot
-from controllers.odometry import Odometry
-from controllers.steering import HandPoint, Heading
-from controllers.traction import Traction
-from controllers.vehicle import Vehicle
 from dynabot_mj.arrays import Array, measured
+from dynabot_mj.controllers import axes, odometry, steering, traction
+from dynabot_mj.controllers.axes import Axes, components_first, components_last, dot
+from dynabot_mj.controllers.odometry import Odometry
+from dynabot_mj.controllers.steering import HandPoint, Heading
+from dynabot_mj.controllers.traction import Traction
+from dynabot_mj.controllers.vehicle import Vehicle
 from dynabot_mj.frames import to_world
 from dynabot_mj.plants import FleetState, NavigationError
 

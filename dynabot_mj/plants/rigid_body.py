@@ -12,10 +12,10 @@ import mujoco
 import numpy as np
 from mujoco import batch
 
-from controllers import traction
-from controllers.vehicle import Vehicle
 from dynabot_mj import scene
 from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.controllers import traction
+from dynabot_mj.controllers.vehicle import Vehicle
 from dynabot_mj.frames import along
 from dynabot_mj.plants import LOOK_PERIOD, FleetState, NavigationError, free_joint
 from dynabot_mj.plants.local_laws import Drivers, LocalLaws

@@ -1,15 +1,15 @@
-"""The twin of `estimation.coupled_ekf`."""
+"""The twin of `dynabot_mj.estimation.coupled_ekf`."""
 
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from estimation import kalman, motion
-from estimation.filterpy_twins.filters import MovingFilter, judged, sound
-from estimation.kalman import Update
-from estimation.measurements import GpsFix, ImuSample, rotation, wrap
-from estimation.motion import (
+from dynabot_mj.estimation import kalman, motion
+from dynabot_mj.estimation.filterpy_twins.filters import MovingFilter, judged, sound
+from dynabot_mj.estimation.kalman import Update
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample, rotation, wrap
+from dynabot_mj.estimation.motion import (
     ACCELERATION_BIAS,
     HEADING,
     POSITION,
@@ -19,7 +19,7 @@ from estimation.motion import (
     YAW_RATE_BIAS,
     turned,
 )
-from estimation.parameters import DEFAULT, Parameters
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 
 Array = npt.NDArray[np.float64]
 

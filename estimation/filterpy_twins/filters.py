@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from filterpy.kalman import ExtendedKalmanFilter, KalmanFilter
 
-from estimation.kalman import Update
+from dynabot_mj.estimation.kalman import Update
 
 Array = npt.NDArray[np.float64]
 Filter = Any  # FilterPy has no types; x, P of a filter of s states are (s,), (s, s)

@@ -1,15 +1,15 @@
-"""The twin of `estimation.gps_extrapolation`: only its heading is FilterPy's."""
+"""The twin of `dynabot_mj.estimation.gps_extrapolation`: only its heading is FilterPy's."""
 
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from estimation.filterpy_twins.filters import sound
-from estimation.filterpy_twins.heading_filter import HeadingFilter
-from estimation.kalman import Update
-from estimation.measurements import GpsFix, ImuSample
-from estimation.parameters import DEFAULT, Parameters
+from dynabot_mj.estimation.filterpy_twins.filters import sound
+from dynabot_mj.estimation.filterpy_twins.heading_filter import HeadingFilter
+from dynabot_mj.estimation.kalman import Update
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 
 Array = npt.NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""The twin of `estimation.heading_filter`: x = [phi, b_r].
+"""The twin of `dynabot_mj.estimation.heading_filter`: x = [phi, b_r].
 
 FilterPy subtracts angles without wrapping, so a bearing z is passed as phi + wrap(z - phi).
 """
@@ -6,11 +6,11 @@ FilterPy subtracts angles without wrapping, so a bearing z is passed as phi + wr
 import numpy as np
 import numpy.typing as npt
 
-from estimation import kalman
-from estimation.filterpy_twins.filters import judged, linear
-from estimation.kalman import Update
-from estimation.measurements import ImuSample, wrap
-from estimation.parameters import Parameters
+from dynabot_mj.estimation import kalman
+from dynabot_mj.estimation.filterpy_twins.filters import judged, linear
+from dynabot_mj.estimation.kalman import Update
+from dynabot_mj.estimation.measurements import ImuSample, wrap
+from dynabot_mj.estimation.parameters import Parameters
 
 Array = npt.NDArray[np.float64]
 

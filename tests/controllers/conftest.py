@@ -1,6 +1,6 @@
 import pytest
 
-from controllers.vehicle import Vehicle
+from dynabot_mj.controllers.vehicle import Vehicle
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from controllers import axes
+from dynabot_mj.controllers import axes
 
 HEADING = np.array([[0.0, 0.5, -2.0], [np.pi, 7.0, -0.1]])
 

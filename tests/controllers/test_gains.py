@@ -2,8 +2,8 @@ import tomllib
 
 import pytest
 
-from controllers import gains
-from controllers.gains import Gains
+from dynabot_mj.controllers import gains
+from dynabot_mj.controllers.gains import Gains
 
 
 @pytest.fixture

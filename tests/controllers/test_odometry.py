@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
-from controllers import axes
-from controllers.odometry import Odometry, velocity
+from dynabot_mj.controllers import axes
+from dynabot_mj.controllers.odometry import Odometry, velocity
 
 GAINS = Odometry()
 RADIUS, PERIOD = 0.1, 0.036

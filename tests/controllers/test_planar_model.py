@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers import planar_model
-from controllers.planar_model import STATES
-from controllers.traction import SIDES
 from dynabot_mj import scene
+from dynabot_mj.controllers import planar_model
+from dynabot_mj.controllers.planar_model import STATES
+from dynabot_mj.controllers.traction import SIDES
 from dynabot_mj.experiments.course import TURNING, Course
 
 PERIOD = 0.02

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from controllers.potential_field import (
+from dynabot_mj.controllers.potential_field import (
     PotentialField,
     Well,
     attraction,

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from controllers import axes
-from controllers.steering import HandPoint, Heading, Reference, rest, steer
+from dynabot_mj.controllers import axes
+from dynabot_mj.controllers.steering import HandPoint, Heading, Reference, rest, steer
 
 SHARED = {
     "hold": 1.5,

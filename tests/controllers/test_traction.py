@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers.steering import Motion
-from controllers.traction import SIDES, Traction, drive
+from dynabot_mj.controllers.steering import Motion
+from dynabot_mj.controllers.traction import SIDES, Traction, drive
 
 GAINS = Traction(
     speed_gain=0.5, yaw_gain=2.0, scrub_torque=1.45, scrub_rate=0.3, slip_limit=0.6, slip_share=0.15

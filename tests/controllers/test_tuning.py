@@ -4,9 +4,9 @@ import casadi
 import numpy as np
 import pytest
 
-from controllers import axes, gains, steering, traction, tuning
-from controllers.steering import Motion, Reference
-from controllers.tuning import BOUNDS, Problem
+from dynabot_mj.controllers import axes, gains, steering, traction, tuning
+from dynabot_mj.controllers.steering import Motion, Reference
+from dynabot_mj.controllers.tuning import BOUNDS, Problem
 
 PERIOD = 0.036
 

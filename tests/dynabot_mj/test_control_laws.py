@@ -3,9 +3,9 @@ import json
 import numpy as np
 import pytest
 
-from controllers import potential_field
-from controllers.law import Information
 from dynabot_mj import configuration, control_laws, scenario
+from dynabot_mj.controllers import potential_field
+from dynabot_mj.controllers.law import Information
 from dynabot_mj.errors import InputError
 
 FIELD = scenario.field(configuration.build({}), "decoupled")

@@ -7,8 +7,8 @@ import pytest
 from absl.testing import absltest
 from dm_env import test_utils
 
-from controllers import potential_field
 from dynabot_mj import configuration, environment, scenario, simulation
+from dynabot_mj.controllers import potential_field
 from dynabot_mj.errors import InputError
 from dynabot_mj.testbed import SPACING, WELL_RADIUS
 

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from dynabot_mj.error_statistics import LAGS, ErrorRecorder, components
+from dynabot_mj.estimation.gauss_markov import Component
 from dynabot_mj.perception import ErrorSequence, certain
 from dynabot_mj.plants import FleetState, NavigationError
 from dynabot_mj.streams import Draws, Purpose
-from estimation.gauss_markov import Component
 
 PERIOD = 0.0625
 SHAPE = (20, 3)

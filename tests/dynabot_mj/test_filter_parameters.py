@@ -4,8 +4,8 @@ import pytest
 
 from dynabot_mj import filter_parameters
 from dynabot_mj.errors import InputError
+from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.filter_parameters import FilterParameters
-from estimation.parameters import DEFAULT
 
 
 def test_defaults_are_those_of_the_filters():

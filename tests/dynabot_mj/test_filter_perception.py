@@ -3,12 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dynabot_mj.estimation.build import NAMES, build
+from dynabot_mj.estimation.estimator import Estimator
 from dynabot_mj.filter_perception import FilterPerception
 from dynabot_mj.plants import FleetState
 from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.sensor_faults import Fault
-from estimation.build import NAMES, build
-from estimation.estimator import Estimator
 
 PERIOD = 0.036
 TRIALS = 4

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 from dynabot_mj import logs, replay
 from dynabot_mj.errors import InputError
+from dynabot_mj.estimation import build
 from dynabot_mj.experiments import kinematic
 from dynabot_mj.log_columns import COLUMNS
 from dynabot_mj.sensor_errors import SensorOptions, WheelErrors
 from dynabot_mj.sensor_faults import Fault
-from estimation import build
 
 FIELDS = [field.name for field in dataclasses.fields(logs.Log)]
 DOCUMENT = Path(__file__).parents[2] / "docs" / "logs.md"

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from dynabot_mj import configuration
+from dynabot_mj.estimation.build import NAMES
+from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.perception_options import FilterOptions, FittedOptions
-from estimation.build import NAMES
-from estimation.parameters import DEFAULT
 
 
 def test_filters_assume_what_the_estimators_do_by_default():

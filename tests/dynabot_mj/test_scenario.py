@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from controllers import gains
-from controllers.steering import HandPoint, Heading
 from dynabot_mj import configuration, scenario, scene
+from dynabot_mj.controllers import gains
+from dynabot_mj.controllers.steering import HandPoint, Heading
 from dynabot_mj.errors import InputError
 from dynabot_mj.scenario import Scenario
 

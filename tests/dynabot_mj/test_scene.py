@@ -2,8 +2,7 @@ import mujoco
 import numpy as np
 import pytest
 
-import models
-from dynabot_mj import scene
+from dynabot_mj import models, scene
 from dynabot_mj.errors import InputError
 
 

@@ -4,9 +4,9 @@ import pytest
 
 from dynabot_mj import sensor_errors
 from dynabot_mj.errors import InputError
+from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.sensor_errors import GpsErrors, SensorOptions, matched
 from dynabot_mj.sensor_faults import Fault
-from estimation.parameters import DEFAULT
 
 
 def test_matched_sensors_have_the_errors_that_the_filters_assume():

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from estimation.measurements import GpsFix, ImuSample
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample
 
 PERIOD, FIX_EVERY, LATENCY = 0.05, 4, 0.1  # of the drives [s], [samples], [s]
 

@@ -3,11 +3,11 @@ import sys
 
 import pytest
 
-from estimation import build
-from estimation.coupled_ekf import CoupledEkf
-from estimation.decoupled_ekf import DecoupledEkf
-from estimation.gps_extrapolation import GpsExtrapolation
-from estimation.robot_by_robot import RobotByRobot
+from dynabot_mj.estimation import build
+from dynabot_mj.estimation.coupled_ekf import CoupledEkf
+from dynabot_mj.estimation.decoupled_ekf import DecoupledEkf
+from dynabot_mj.estimation.gps_extrapolation import GpsExtrapolation
+from dynabot_mj.estimation.robot_by_robot import RobotByRobot
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from estimation import motion
-from estimation.decoupled_ekf import GROUPS, DecoupledEkf
-from estimation.measurements import GpsFix, ImuSample
-from estimation.parameters import DEFAULT
+from dynabot_mj.estimation import motion
+from dynabot_mj.estimation.decoupled_ekf import GROUPS, DecoupledEkf
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample
+from dynabot_mj.estimation.parameters import DEFAULT
 
 ALL = slice(None)
 SWIFT = [2, 3, 6, 7]  # v_x, v_y, b_ax, b_ay among the ten states

@@ -3,11 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimation import build
-from estimation.estimator import Estimator
-from estimation.kalman import Update
-from estimation.measurements import ImuSample, wrap
-from estimation.parameters import DEFAULT
+from dynabot_mj.estimation import build
+from dynabot_mj.estimation.estimator import Estimator
+from dynabot_mj.estimation.kalman import Update
+from dynabot_mj.estimation.measurements import ImuSample, wrap
+from dynabot_mj.estimation.parameters import DEFAULT
 
 EKFS = ("decoupled", "coupled")
 BELIEFS = ("position_w", "velocity_w", "heading", "yaw_rate_bias", "acceleration_bias_b")

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from dynabot_mj import replay
+from dynabot_mj.estimation import build
 from dynabot_mj.experiments import kinematic
 from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.sensor_faults import Fault
-from estimation import build
 
 PERIOD, STEPS = 0.036, 3000
 

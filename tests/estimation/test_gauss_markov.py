@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from estimation import gauss_markov
+from dynabot_mj.estimation import gauss_markov
 
 
 def sequence(sigma, rho, length, chains=4000, seed=0):

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from estimation.gps_extrapolation import GpsExtrapolation
-from estimation.measurements import GpsFix, ImuSample
-from estimation.parameters import DEFAULT
+from dynabot_mj.estimation.gps_extrapolation import GpsExtrapolation
+from dynabot_mj.estimation.measurements import GpsFix, ImuSample
+from dynabot_mj.estimation.parameters import DEFAULT
 
 ALL = slice(None)
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from estimation.heading_filter import HeadingFilter
-from estimation.measurements import ImuSample, wrap
-from estimation.parameters import DEFAULT
+from dynabot_mj.estimation.heading_filter import HeadingFilter
+from dynabot_mj.estimation.measurements import ImuSample, wrap
+from dynabot_mj.estimation.parameters import DEFAULT
 
 ALL = slice(None)
 

@@ -3,7 +3,7 @@ import pytest
 from filterpy.kalman import KalmanFilter
 from scipy import stats
 
-from estimation import kalman
+from dynabot_mj.estimation import kalman
 
 
 def problem(seed=0, rows=5, states=4, components=2):

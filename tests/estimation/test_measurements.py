@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimation.measurements import rotation, wrap
+from dynabot_mj.estimation.measurements import rotation, wrap
 
 
 def test_rotation_turns_to_the_left():

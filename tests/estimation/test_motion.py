@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from estimation import motion
-from estimation.measurements import ImuSample, rotation
-from estimation.parameters import DEFAULT, Parameters
+from dynabot_mj.estimation import motion
+from dynabot_mj.estimation.measurements import ImuSample, rotation
+from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 
 STEP = 1e-4  # of central differences: their error is below 1e-7 on these ranges
 # X, Y, v_x, v_y, phi, b_r, b_ax, b_ay, b_x, b_y

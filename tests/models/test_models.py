@@ -1,7 +1,7 @@
 import mujoco
 import pytest
 
-import models
+from dynabot_mj import models
 
 
 @pytest.mark.parametrize("name", ["dynabot.xml", "field.xml", "tether.xml"])

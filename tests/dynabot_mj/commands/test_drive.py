@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-import models
+from dynabot_mj import models
 
 
 def test_drive_prints_one_json_document_and_writes_its_results(dynabot, tmp_path):

@@ -1,8 +1,8 @@
 import json
 import tomllib
 
-from controllers import gains
 from dynabot_mj import study
+from dynabot_mj.controllers import gains
 
 
 def test_run_prints_one_row_and_reproduces_a_trial_of_a_study(dynabot, tmp_path):

@@ -3,8 +3,8 @@ import json
 import numpy as np
 import pytest
 
+from dynabot_mj.estimation import build
 from dynabot_mj.experiments import benchmark
-from estimation import build
 
 
 @pytest.fixture(scope="module")

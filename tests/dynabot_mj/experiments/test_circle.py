@@ -6,10 +6,10 @@ import pytest
 
 from dynabot_mj import testbed
 from dynabot_mj.errors import InputError
+from dynabot_mj.estimation.build import NAMES
+from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.experiments import circle, circle_report
 from dynabot_mj.sensor_errors import matched
-from estimation.build import NAMES
-from estimation.parameters import DEFAULT
 
 # Standard deviations over the runs (200 runs, seed 0), and how far a mean may be from the paper's figure.
 SPREAD = {"gps": 0.34, "decoupled": 0.24, "coupled": 0.20}

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.experiments import consistency_bounds
-from estimation.kalman import Update
 
 
 def test_bounds_hold_what_they_say():

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from dynabot_mj import cli, logs, replay, replay_figures
+from dynabot_mj.estimation import build
+from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.experiments import estimate, kinematic
 from dynabot_mj.sensor_errors import SensorOptions, WheelErrors
 from dynabot_mj.sensor_faults import Fault
-from estimation import build
-from estimation.parameters import DEFAULT
 
 
 def recorded(duration, *faults):

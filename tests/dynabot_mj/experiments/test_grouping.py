@@ -4,11 +4,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dynabot_mj.estimation import kalman, motion
+from dynabot_mj.estimation.decoupled_ekf import GROUPS
+from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.experiments import grouping
 from dynabot_mj.sensor_errors import matched
-from estimation import kalman, motion
-from estimation.decoupled_ekf import GROUPS
-from estimation.parameters import DEFAULT
 
 
 @pytest.fixture(scope="module")

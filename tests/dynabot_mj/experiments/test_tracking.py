@@ -4,8 +4,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers import gains
 from dynabot_mj import configuration, manoeuvres
+from dynabot_mj.controllers import gains
 from dynabot_mj.experiments import formation_tracking, tracking
 from dynabot_mj.manoeuvres import Manoeuvre
 from dynabot_mj.plants.local_laws import LocalLaws

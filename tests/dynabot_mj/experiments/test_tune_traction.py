@@ -3,8 +3,8 @@ from dataclasses import replace
 
 import pytest
 
-from controllers import gains, tuning
 from dynabot_mj import cli, manoeuvres, tracking_figures
+from dynabot_mj.controllers import gains, tuning
 from dynabot_mj.errors import InputError
 from dynabot_mj.experiments import tune_traction
 from dynabot_mj.experiments.tune_traction import Request

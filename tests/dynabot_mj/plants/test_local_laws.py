@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from controllers import gains
 from dynabot_mj import scene
+from dynabot_mj.controllers import gains
 from dynabot_mj.plants import FleetState, NavigationError
 from dynabot_mj.plants.local_laws import Drivers, LocalLaws
 

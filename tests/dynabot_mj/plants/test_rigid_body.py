@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from controllers import gains
-from controllers.odometry import REAL_SENSORS
 from dynabot_mj import scene
+from dynabot_mj.controllers import gains
+from dynabot_mj.controllers.odometry import REAL_SENSORS
 from dynabot_mj.plants import LOOK_PERIOD, NavigationError
 from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.plants.particle import ParticlePlant
