@@ -7,7 +7,8 @@ arrival     the first control event at which the trailing 3 s mean of r (shorter
             h0 .. h0 + eps, whatever happened before.
 common      (band) all r_i within 1 m of h0 .. h0 + eps, and the distances of robots that are neighbours around the
             leader within 1 m of d0 .. d0 + eps: one tolerance for all methods.
-formation   the start of the first 5 s throughout which the common band holds.
+formation   the start of the first 5 s throughout which the common band holds; one that starts in the run's last 5 s is
+            not seen to hold.
 in band     the share of the time from arrival to T in which it holds.
 contact     the first time at which two footprints overlap: oriented rectangles, the hull and the margin of 1 cm in
             which its contact begins, one test for both plants.

@@ -120,7 +120,8 @@ class Scorer:
         arrived, event = there.any(axis=0), there.argmax(axis=0)
         before = np.take_along_axis(np.array(self._times_in_band), event[None], axis=0)[0]
         share = (self._time_in_band - before) / (self._duration - time[event])
-        return np.where(arrived, time[event], np.nan), np.where(arrived, share, np.nan)
+        # Sums of many gaps may exceed the time that they are of by their rounding.
+        return np.where(arrived, time[event], np.nan), np.where(arrived, np.clip(share, 0.0, 1.0), np.nan)
 
     def _distance(self, state: FleetState) -> Array:
         offset = state.position_w - self._leader_w

@@ -2,8 +2,9 @@
 
 rate          Wilson's score interval.
 mean          mean and standard deviation; `bootstrapped` adds the BCa bootstrap interval of Efron (1987), which holds
-              too seldom where a few trials are far from all others.
-median        with the exact, distribution-free interval of two order statistics: what stands beside such a mean.
+              too seldom where a few trials are far from all others, and below six values far too seldom: none then.
+median        with the exact, distribution-free interval of two order statistics: what stands beside such a mean. Of
+              values that are known to lie between bounds only, it is as open as they are.
 hazard        events over time at risk, with the exact interval of a Poisson count.
 paired means  BCa interval of the mean difference and a permutation test, in which each pair's difference changes its
               sign: the same trials under two conditions are exchangeable where the conditions do not matter.
@@ -27,6 +28,7 @@ from dynabot_mj.arrays import Array
 
 CONFIDENCE = 0.95
 RESAMPLES = 10_000
+_FEWEST = 6  # values that a bootstrap interval is given of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,10 +126,12 @@ def bootstrapped(values: npt.ArrayLike, seed: int = 0, confidence: float = CONFI
         confidence: Of the interval.
     """
     counted = _finite(values)
-    if len(counted) < 2:
-        return MeanInterval(mean=float(counted[0]) if len(counted) else None, low=None, high=None)
+    if len(counted) == 0:
+        return MeanInterval(mean=None, low=None, high=None)
     middle = float(counted.mean())
-    if np.ptp(counted) == 0.0:  # there is nothing to resample
+    if len(counted) < _FEWEST:
+        return MeanInterval(mean=middle, low=None, high=None)
+    if constant(counted):  # there is nothing to resample
         return MeanInterval(mean=middle, low=middle, high=middle)
     interval = stats.bootstrap(
         (counted,),
@@ -148,12 +152,29 @@ def median(values: npt.ArrayLike) -> Median:
     and at most n - k of n fair coins show heads.
     """
     ordered = np.sort(_finite(values))
-    n = len(ordered)
+    return median_between(ordered, ordered)
+
+
+def median_between(least: npt.ArrayLike, most: npt.ArrayLike) -> Median:
+    """Returns the median of values that are known to lie between bounds; None where those leave it open.
+
+    Args:
+        least: What each is at least; -inf: nothing is known.
+        most: What each is at most; inf: nothing is known.
+    """
+    lower, upper = np.sort(np.asarray(least, dtype=float)), np.sort(np.asarray(most, dtype=float))
+    n = len(lower)
     if n == 0:
         return Median(median=None, low=None, high=None)
     k = int(stats.binom.ppf(0.5 * (1.0 - CONFIDENCE), n, 0.5))
-    low, high = (float(ordered[k - 1]), float(ordered[n - k])) if k else (None, None)
-    return Median(median=float(np.median(ordered)), low=low, high=high)
+    low, high = (lower[k - 1], upper[n - k]) if k else (-np.inf, np.inf)
+    middle = slice((n - 1) // 2, n // 2 + 1)
+    known = np.isfinite(lower[middle]).all() and (lower[middle] == upper[middle]).all()
+    return Median(
+        median=float(lower[middle].mean()) if known else None,
+        low=float(low) if np.isfinite(low) else None,
+        high=float(high) if np.isfinite(high) else None,
+    )
 
 
 def hazard(k: int, minutes: float) -> Hazard:
@@ -245,6 +266,11 @@ def holm(values: Sequence[float | None]) -> list[float | None]:
     known = [value for value in values if value is not None]
     adjusted = iter(multitest.multipletests(known, method="holm")[1].tolist() if known else [])
     return [None if value is None else next(adjusted) for value in values]
+
+
+def constant(values: Array) -> bool:
+    """Tells whether values differ by no more than rounding."""
+    return bool(np.ptp(values) <= 1e-9 * max(1.0, float(np.abs(values).max())))
 
 
 def _finite(values: npt.ArrayLike) -> Array:

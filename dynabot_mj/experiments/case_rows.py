@@ -1,6 +1,6 @@
 """One case of a study, summarised over its trials: a row of the tables and of the JSON document."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,8 @@ from dynabot_mj.testbed import TABLE_III
 class Restricted(MeanInterval):
     """Mean of a first-passage time up to a horizon, which counts for trials without the event or with a contact first.
 
-    The median and the bounds of its interval are over all trials; None where they are beyond the horizon.
+    The median and the bounds of its interval are over all trials; None where they are beyond the horizon. `without` has
+    not had the event, or only after a contact.
     """
 
     horizon_s: float
@@ -48,7 +49,7 @@ class Settling(Mean):
 class ContactHazard(Hazard):
     """First contacts of footprints after arrival, per minute at risk: from arrival to contact or end."""
 
-    excluded: int  # trials with a contact before arrival
+    excluded: int | None  # trials with a contact at or before arrival; None: an older study does not tell
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +85,7 @@ class Row:
     hull_contact: Rate  # undefined for point masses
     completion: Rate  # within the method's own sigma
     completion_common: Rate
-    overturned: int
+    overturned: int | None  # None: an older study does not tell
     diverged: int
     velocity: str  # where the dissipation's comes from
     estimate_error: EstimateError | None  # None for perfect information
@@ -138,7 +139,7 @@ def row(case: xr.Dataset) -> Row:
         hull_contact=statistics.rate(case.hull_contact),
         completion=statistics.rate(case.completion),
         completion_common=statistics.rate(case.completion_common),
-        overturned=int(np.isfinite(measures.variable(case, "overturned")).sum()),
+        overturned=int(case.overturned.notnull().sum()) if "overturned" in case.variables else None,
         diverged=int(case.diverged.sum()),
         velocity=str(case.velocity.item()),
         estimate_error=in_loop.errors(case),
@@ -150,17 +151,13 @@ def _restricted(case: xr.Dataset, name: str) -> Restricted:
     times, horizon = measures.restricted(case, name), float(case.attrs["duration"])
     known: Array = times[np.isfinite(times)]
     without = known >= horizon
-    middle = statistics.median(known)
+    middle = statistics.median_between(known, np.where(without, np.inf, known))
     return Restricted(
         **asdict(statistics.bootstrapped(known, int(case.attrs["seed"]))),
         horizon_s=horizon,
-        median=Median(**{name: _before(horizon, bound) for name, bound in asdict(middle).items()}),
+        median=middle if middle.low is None or middle.low < horizon else replace(middle, low=None),
         without=statistics.rate(without),
     )
-
-
-def _before(horizon: float, time: float | None) -> float | None:
-    return time if time is not None and time < horizon else None
 
 
 def _hazard(case: xr.Dataset) -> ContactHazard:
@@ -171,4 +168,5 @@ def _hazard(case: xr.Dataset) -> ContactHazard:
     found = statistics.hazard(
         int((at_risk & np.isfinite(contact)).sum()), float((until - arrival)[at_risk].sum()) / 60.0
     )
-    return ContactHazard(**asdict(found), excluded=int(early.sum()))
+    told = {"arrival", "contact"} <= set(case.variables)
+    return ContactHazard(**asdict(found), excluded=int(early.sum()) if told else None)

@@ -48,10 +48,7 @@ def document(comparison: Comparison) -> dict[str, Any]:
 
 
 def late(comparison: Comparison) -> str | None:
-    """Returns one line about the cases of which more than 5 % of the trials did not arrive; None where there are none.
-
-    A case that runs for seconds only has not tried to.
-    """
+    """Returns one line about the cases of which more than 5 % of the trials did not arrive, if there are any."""
     found = [
         f"{100.0 * share.rate:.0f} % of {row.label}"
         for row in comparison.rows

@@ -9,7 +9,7 @@ import xarray as xr
 
 from dynabot_mj import configuration, control_laws
 from dynabot_mj.experiments import compare, in_loop, paired_tests, tables
-from dynabot_mj.experiments.case_rows import Settling
+from dynabot_mj.experiments.case_rows import ContactHazard, Settling
 from dynabot_mj.experiments.compare import Comparison
 from dynabot_mj.experiments.measures import MEASURES, TESTED, Factor
 from dynabot_mj.experiments.paired_tests import Equivalence, Interaction, Paired
@@ -54,10 +54,10 @@ def table(comparison: Comparison) -> Table:
                     tables.rate(formation.without),
                     tables.mean(one.in_band_fraction, 100.0, 0),
                     tables.rate(one.collision_footprint),
-                    tables.interval(one.collision_hulls_per_min, 2),
+                    _hazard(one.collision_hulls_per_min),
                     tables.rate(one.completion_common),
                     tables.mean(one.top_speed_mps),
-                    f"{one.overturned}, {one.diverged}",
+                    f"{'-' if one.overturned is None else one.overturned}, {one.diverged}",
                 ]
             )
     note = _NOTE.format(horizon=f"{comparison.study.attrs['duration']:g} s")
@@ -156,8 +156,9 @@ Rates in % with 95 % Wilson intervals. Arrival: mean ± sd over the trials that 
 when the common band began to hold for 5 s, as a mean restricted to {horizon}, which counts for trials that did not form
 or touched before, with its 95 % BCa interval; and as a median with its exact one, since a few trials at the horizon
 make the mean's hold less often. In band: share of the time since arrival. Hulls: footprints, which reach 1 cm beyond
-the hulls, overlap; per minute: first contacts after arrival over the time at risk, exact Poisson interval. Band 1 m:
-the band holds through the last 10 s and no hulls touched."""
+the hulls, overlap; per minute: first contacts after arrival over the time at risk, exact Poisson interval (in
+parentheses: trials left out, which touched before they arrived). Band 1 m: the band holds through the last 10 s and no
+hulls touched."""
 
 _PAPER_NOTE = """\
 Settling depends on the length of the run: it is measured against the trial's own end, and nothing is concluded from it.
@@ -170,7 +171,8 @@ all radii within 5 cm of the well's floor. Runs shorter than 13 s have none of t
 _TEST_NOTE = """\
 Mean paired differences: 95 % BCa intervals and permutation tests; rates in percentage points, with score intervals and
 McNemar's exact test. p is Holm's, over all tests of this table; * below 0.05. Arrival (n): over the n trials that
-arrived in both cases. An interval of no width means that all pairs are equal."""
+arrived in both cases, which in band is of too. A mean's interval of no width means that all pairs are equal. Medians of
+times of which some are beyond the duration are as open (...) as that leaves them."""
 
 _INTERACTION_NOTE = """\
 Particle less rigid with one perception, less the same with another, on the same trials: 95 % BCa intervals and
@@ -178,7 +180,8 @@ permutation tests, p by Holm over this table; * below 0.05."""
 
 _EQUIVALENCE_NOTE = """\
 Filter less fitted, on the same trials, with 90 % intervals: equivalent (two one-sided tests at 5 %) where the interval
-lies within the margin, which was stated before. The surrogate was fitted on seed {fitted}{verdict}."""
+lies within the margin, which was stated before; nothing is said (-) of fewer than 10 pairs, of pairs that are all
+alike, or where most do not form. The surrogate was fitted on seed {fitted}{verdict}."""
 
 
 def _remarks(comparison: Comparison) -> list[str]:
@@ -204,6 +207,10 @@ def _published(row: TableIIIRow) -> list[str]:
     rates = f"{100 * row.collision:.0f}", f"{100 * row.completion:.0f}"
     gains = f"{row.alpha_h:g}, {row.alpha_d:g}"
     return [f"{1e3 * row.period:g}", gains, f"{row.settling:g}{spread}", "", "", "", *rates]
+
+
+def _hazard(one: ContactHazard) -> str:
+    return tables.interval(one, 2) + (f" ({one.excluded})" if one.excluded else "")
 
 
 def _off(found: Settling, paper: TableIIIRow) -> str:
@@ -260,7 +267,7 @@ def _difference(one: Paired | Interaction | Equivalence) -> str:
 
 def _equivalence(comparison: Comparison) -> Table:
     margins = {one.metric: one.margin for one in comparison.equivalences}
-    said = {True: " equivalent", False: " not shown", None: ""}
+    said = {True: " equivalent", False: " not shown", None: " -"}
     body: dict[tuple[str, str], list[str]] = {}
     for one in comparison.equivalences:
         body.setdefault((one.estimator, one.plant), []).append(_difference(one) + said[one.equivalent])

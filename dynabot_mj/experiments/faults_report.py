@@ -7,7 +7,6 @@ from typing import Any
 from dynabot_mj.experiments import tables
 from dynabot_mj.experiments.crossings import NEAR, Crossing
 from dynabot_mj.experiments.faults import BAND, RETURNED, WITHIN, Cost, Outcome
-from dynabot_mj.statistics import Difference
 
 
 def document(outcome: Outcome) -> dict[str, Any]:
@@ -49,7 +48,7 @@ def _cost(one: Cost) -> list[str]:
         one.estimator,
         f"{one.position_m:.2f}",
         f"{one.worst_position_m:.2f}",
-        _difference(one.excess_m),
+        tables.difference(one.excess_m, 2),
         f"{one.heading_deg:.1f}",
         f"{one.heading_deg - one.unfaulted_heading_deg:.1f}",
         _seconds(one.position_recovery_s),
@@ -75,9 +74,3 @@ def _where(outcome: Outcome, count: str) -> str:
 
 def _seconds(value: float | None) -> str:
     return f"> {WITHIN:g}" if value is None else f"{value:.1f}"
-
-
-def _difference(value: Difference) -> str:
-    if value.difference is None or value.low is None or value.high is None:
-        return "-"
-    return f"{value.difference:.2f} [{value.low:.2f}, {value.high:.2f}]"

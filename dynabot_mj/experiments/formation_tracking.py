@@ -30,7 +30,7 @@ class FormationTracking:
     yaw_path: Array  # of the robot that turns most in the last 10 s, (B,) [rad]
     wheel_slip: Array  # largest, (B,) [m/s]
     hull_contact: Array  # (B,)
-    diverged: int
+    diverged: BoolArray  # (B,) on either plant
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -77,7 +77,7 @@ def follow(setup: Scenario, trials: range) -> FormationTracking:
         yaw_path=yaw_path.max(axis=-1),
         wheel_slip=rigid.wheel_slip,
         hull_contact=rigid.hull_contact.astype(float),
-        diverged=int((rigid.diverged | particle.diverged).sum()),
+        diverged=rigid.diverged | particle.diverged,
     )
 
 

@@ -30,6 +30,7 @@ class Measure:
     digits: int = 2
     factors: tuple[Factor, ...] = FACTORS  # that it is compared over
     tested: bool = True  # False: shown for continuity, nothing is concluded from it
+    censored: bool = False  # at the duration, beyond which it may be anything
 
 
 def variable(case: xr.Dataset, name: str) -> Array:
@@ -48,11 +49,14 @@ def failure(case: xr.Dataset) -> Array:
 def restricted(case: xr.Dataset, name: str) -> Array:
     """Returns the times of an event up to the duration, see `metrics.restricted`, (trials,) [s].
 
-    NaN for trials that diverged, and all where an older study does not tell the event or the failures.
+    NaN for trials that diverged, and all where an older study does not tell the event or the failures, or where the run
+    was too short to settle.
     """
-    if not {name, "contact", "overturned"} <= set(case.variables):
+    duration = float(case.attrs["duration"])
+    told = {name, "contact", "overturned"} <= set(case.variables)
+    if not told or (name == "settling" and duration < metrics.SHORTEST_JUDGED):
         return np.full(case.sizes["trial"], np.nan)
-    times = metrics.restricted(variable(case, name), failure(case), float(case.attrs["duration"]))
+    times = metrics.restricted(variable(case, name), failure(case), duration)
     return np.where(case.diverged.values == 1, np.nan, times)
 
 
@@ -71,7 +75,11 @@ _WITHIN_A_PLANT: tuple[Factor, ...] = ("estimator", "perception")
 MEASURES = (
     Measure(name="arrival_s", title="arrival [s]", values=_read("arrival")),
     Measure(
-        name="time_to_formation_s", title="formation [s]", values=lambda case: restricted(case, "formation"), digits=1
+        name="time_to_formation_s",
+        title="formation [s]",
+        values=lambda case: restricted(case, "formation"),
+        digits=1,
+        censored=True,
     ),
     Measure(name="in_band_fraction", title="in band", values=_read("in_band"), scale=100.0, digits=0),
     Measure(

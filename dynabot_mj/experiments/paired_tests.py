@@ -10,22 +10,30 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
 import xarray as xr
 
 from dynabot_mj import statistics
+from dynabot_mj.arrays import Array
 from dynabot_mj.experiments.measures import FACTORS, MEASURES, TESTED, Factor, Measure
-from dynabot_mj.statistics import Difference
+from dynabot_mj.statistics import Difference, Median
 
-# Within which the fitted surrogate is held to be as good as the filters, stated before it was judged: a second of
-# arrival, a twentieth of the horizon, a tenth of the trials.
-MARGINS = {
-    "arrival_s": 1.0,
-    "time_to_formation_s": 4.0,
-    "in_band_fraction": 0.1,
-    "collision_footprint": 0.1,
-    "completion_common": 0.1,
-}
 _EQUIVALENCE_CONFIDENCE = 0.90  # of two one-sided tests at 5 %
+_FEWEST_EQUIVALENT = 10  # pairs, below which nothing is told equivalent
+
+
+def margins(horizon: float) -> dict[str, float]:
+    """Returns within what the fitted surrogate is held to be as good as the filters, stated before it was judged.
+
+    A second of arrival, a twentieth of the horizon [s] of the time to formation, a tenth of the trials or of the time.
+    """
+    return {
+        "arrival_s": 1.0,
+        "time_to_formation_s": 0.05 * horizon,
+        "in_band_fraction": 0.1,
+        "collision_footprint": 0.1,
+        "completion_common": 0.1,
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +70,7 @@ class Equivalence:
     low: float | None  # of the 90 % interval
     high: float | None
     n: int
-    equivalent: bool | None  # None where undefined
+    equivalent: bool | None  # None where there is too little to tell it by
 
 
 def paired(study: xr.Dataset) -> list[Paired]:
@@ -94,6 +102,8 @@ def interactions(study: xr.Dataset) -> list[Interaction]:
         for measure in TESTED:
             first, second = (measure.values(a) - measure.values(b) for a, b in ((one, other), (third, fourth)))
             difference = statistics.paired_difference(first, second, seed)
+            if measure.censored:  # a difference of four times, each of which may be beyond the horizon
+                difference = replace(difference, median=None)
             found.append(
                 Interaction(
                     estimator=str(one.estimator.item()),
@@ -110,7 +120,7 @@ def interactions(study: xr.Dataset) -> list[Interaction]:
 
 def equivalences(study: xr.Dataset) -> list[Equivalence]:
     """Judges the fitted surrogate against the filters, where a study has both."""
-    found = []
+    found, allowed = [], margins(float(study.attrs["duration"]))
     for one, other in _pairs(study, "perception"):
         names = [str(case.perception.item()) for case in (one, other)]
         if sorted(names) != ["filter", "fitted"]:
@@ -118,7 +128,7 @@ def equivalences(study: xr.Dataset) -> list[Equivalence]:
         if names[0] == "fitted":
             one, other = other, one
         for measure in TESTED:
-            if (margin := MARGINS.get(measure.name)) is None:
+            if (margin := allowed.get(measure.name)) is None:
                 continue
             difference = _difference(measure, one, other, _EQUIVALENCE_CONFIDENCE)
             low, high = difference.low, difference.high
@@ -132,7 +142,9 @@ def equivalences(study: xr.Dataset) -> list[Equivalence]:
                     low=low,
                     high=high,
                     n=difference.n,
-                    equivalent=None if low is None or high is None else -margin <= low and high <= margin,
+                    equivalent=None
+                    if low is None or high is None or _says_nothing(measure, one, other)
+                    else -margin <= low and high <= margin,
                 )
             )
     return found
@@ -163,7 +175,28 @@ def _difference(
     if measure.rate:
         return statistics.paired_rates(a, b, confidence)
     # The seed is the study's: the same Dataset gives the same interval.
-    return statistics.paired_difference(a, b, int(one.attrs["seed"]), confidence, tested=measure.tested)
+    found = statistics.paired_difference(a, b, int(one.attrs["seed"]), confidence, tested=measure.tested)
+    return replace(found, median=_median(a, b, float(one.attrs["duration"]))) if measure.censored else found
+
+
+def _median(a: Array, b: Array, horizon: float) -> Median:
+    """Returns the median difference of times of which those at the horizon are at least that long."""
+    both = np.isfinite(a + b)
+    (a, b), beyond = (a[both], b[both]), (a[both] >= horizon, b[both] >= horizon)
+    least, most = a - np.where(beyond[1], np.inf, b), np.where(beyond[0], np.inf, a) - b
+    return statistics.median_between(least, most)
+
+
+def _says_nothing(measure: Measure, one: xr.Dataset, other: xr.Dataset) -> bool:
+    """Tells whether two cases cannot be told equivalent: few pairs, all alike, or most of them beyond the horizon."""
+    a, b = measure.values(one), measure.values(other)
+    difference = (a - b)[np.isfinite(a - b)]
+    if len(difference) < _FEWEST_EQUIVALENT:
+        return True
+    if measure.rate:
+        return False
+    beyond = measure.censored and any(np.nanmean(x >= float(one.attrs["duration"])) > 0.5 for x in (a, b))
+    return bool(beyond) or statistics.constant(difference)
 
 
 def of_factor(differences: Sequence[Paired], factor: Factor) -> list[Paired]:

@@ -51,7 +51,7 @@ class Found:
     reading: str
     duration_s: float
     rows: Sequence[Row]
-    ranking: Mapping[str, str]  # of `RANKED`, best first: `<` where two that follow each other differ, else `~`
+    ranking: Mapping[str, str]  # of `RANKED`, best first, see `ranking`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,7 +167,10 @@ def value(row: Row, metric: str) -> float | None:
 
 
 def ranking(metric: str, rows: Sequence[Row], differences: Sequence[Paired]) -> str:
-    """Returns the estimators in their order by a measure, best first; `~` between two that it cannot tell apart.
+    """Returns the estimators in their order by a measure, best first.
+
+    `<` stands where each one before differs from each one after, on the same trials and in the order of the means; what
+    is joined by `~` cannot all be told apart.
 
     Args:
         metric: One of `RANKED`.
@@ -177,18 +180,18 @@ def ranking(metric: str, rows: Sequence[Row], differences: Sequence[Paired]) -> 
     sign = -1.0 if RANKED[metric] else 1.0
     cost = {row.estimator: sign * mean for row in rows if (mean := value(row, metric)) is not None}
     known = sorted(cost, key=lambda name: cost[name])
-    apart = {
-        frozenset((one.a.rsplit("/", 1)[1], one.b.rsplit("/", 1)[1]))
-        for one in differences
-        if one.metric == metric and one.p_holm is not None and one.p_holm < ALPHA
-    }
-    tied = [known[:1]]
-    for before, after in itertools.pairwise(known):
-        if frozenset((before, after)) in apart:
-            tied.append([])
-        tied[-1].append(after)
+    better = set()  # (which, than which)
+    for one in differences:
+        if one.metric == metric and one.difference and one.p_holm is not None and one.p_holm < ALPHA:
+            a, b = (label.rsplit("/", 1)[1] for label in (one.a, one.b))
+            better.add((a, b) if sign * one.difference < 0.0 else (b, a))
+    groups: list[list[str]] = [[]]
+    for place, name in enumerate(known):
+        if place and all(pair in better for pair in itertools.product(known[:place], known[place:])):
+            groups.append([])
+        groups[-1].append(name)
     # What cannot be told apart stands in one order always.
-    return " < ".join(" ~ ".join(sorted(names, key=ESTIMATORS.index)) for names in tied) or "-"
+    return " < ".join(" ~ ".join(sorted(names, key=ESTIMATORS.index)) for names in groups) or "-"
 
 
 def document(result: Sensitivity) -> dict[str, Any]:
@@ -245,5 +248,5 @@ One reading changed at a time, on the same trials. Arrival as mean ± sd; format
 with its 95 % BCa interval; rates in % with 95 % Wilson intervals. Own sigma: the paper's completion."""
 
 _RANKING_NOTE = """\
-`<`: the two differ on the same trials, p below 0.05 by Holm over all tests of the reading; `~`: they cannot be told
-apart. (!): not as it is without a change."""
+`<`: each before differs from each after on the same trials, p below 0.05 by Holm over all tests of the reading; `~`:
+they cannot all be told apart. (!): not as it is without a change."""

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from dynabot_mj.statistics import Hazard, Mean, MeanInterval, Median, Rate
+from dynabot_mj.statistics import Difference, Hazard, Mean, MeanInterval, Median, Rate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,18 +54,25 @@ def interval(value: MeanInterval | Hazard, digits: int = 1) -> str:
     )
 
 
+def difference(value: Difference, digits: int) -> str:
+    """Returns a difference and its interval, or a dash."""
+    return interval(MeanInterval(mean=value.difference, low=value.low, high=value.high), digits)
+
+
 def median(value: Median, digits: int = 1, sign: str = "") -> str:
-    """Returns a median and its interval, open where a bound is not known, or a dash.
+    """Returns a median and its interval, open where a number is not known, or a dash.
 
     Args:
         value: The median.
         digits: Behind the point.
         sign: `+` shows the sign of positive numbers too.
     """
-    if value.median is None:
+    if value.median is None and value.low is None and value.high is None:
         return "-"
-    low, high = ("..." if one is None else f"{one:{sign}.{digits}f}" for one in (value.low, value.high))
-    return f"{value.median:{sign}.{digits}f} [{low}, {high}]"
+    middle, low, high = (
+        "..." if one is None else f"{one:{sign}.{digits}f}" for one in (value.median, value.low, value.high)
+    )
+    return f"{middle} [{low}, {high}]"
 
 
 def rate(value: Rate) -> str:

@@ -232,7 +232,7 @@ def _row(task: _Task, outcome: FormationTracking) -> FormationRow:
     assert isinstance(method.sample_period, float)
     horizon = scenario.duration(task.setup)
     rigid, particle = (
-        metrics.restricted(one.formation, np.fmin(one.contact, one.overturned), horizon)
+        metrics.restricted(one.formation, np.fmin(one.contact, one.overturned), horizon)[~outcome.diverged]
         for one in (outcome.rigid, outcome.particle)
     )
     return FormationRow(
@@ -256,7 +256,7 @@ def _row(task: _Task, outcome: FormationTracking) -> FormationRow:
         hull_contact=statistics.rate(outcome.hull_contact),
         completion=statistics.rate(outcome.rigid.completion),
         completion_common=statistics.rate(outcome.rigid.completion_common),
-        diverged=outcome.diverged,
+        diverged=int(outcome.diverged.sum()),
     )
 
 
@@ -292,8 +292,7 @@ def _first_of_each(driven: Tracking) -> Tracking:
 
 
 def _formed(row: FormationRow) -> list[str]:
-    delay = row.formation_delay_s
-    later = tables.interval(MeanInterval(mean=delay.difference, low=delay.low, high=delay.high), 2)
+    later = tables.difference(row.formation_delay_s, 2)
     return [tables.interval(row.formation_s), tables.interval(row.particle_formation_s), later]
 
 

@@ -15,6 +15,7 @@ from dynabot_mj.controllers import tuning
 from dynabot_mj.controllers.gains import Gains
 from dynabot_mj.errors import InputError
 from dynabot_mj.execution import versions
+from dynabot_mj.experiments import tables
 from dynabot_mj.experiments.parity import Parity
 from dynabot_mj.experiments.tables import aligned
 from dynabot_mj.experiments.tracking import FIELD, WELL_RADIUS, Tracking, follow
@@ -107,7 +108,7 @@ class Result:
             "cost_after": solution.cost_after,
             "validation_cost_before": float(self.validation.cost_before.mean()),
             "validation_cost_after": float(self.validation.cost_after.mean()),
-            "validation_improvement": [improvement.low, improvement.high],
+            "validation_improvement": [one for one in (improvement.low, improvement.high) if one is not None],
             "adopted": self.validation.better,
         }
 
@@ -247,7 +248,6 @@ def markdown(result: Result, models: Parity) -> str:
         [f"{one.friction:g}", f"{one.payload_kg:g}", f"{one.period_ms:g}", *_costs(one.cost_before, one.cost_after)]
         for one in validation.conditions
     ]
-    gain = validation.improvement
     verdict = "better: adopted" if validation.better else f"not better than {request.against}: not adopted"
     lines = [
         f"# Tuning of {request.steering}, from {request.start}, seed {request.seed}, T_c = {1e3 * request.period:g} ms",
@@ -262,7 +262,7 @@ def markdown(result: Result, models: Parity) -> str:
         *aligned(["friction", "payload [kg]", "T_c [ms]", f"cost, {request.against}", "cost, tuned", "change"], body),
         "",
         f"Mean cost {validation.cost_before.mean():.4f} -> {validation.cost_after.mean():.4f} m^2/s^2, improvement "
-        f"{gain.difference:.4f} [{gain.low:.4f}, {gain.high:.4f}], paired over courses, 95 %: {verdict}.",
+        f"{tables.difference(validation.improvement, 4)}, paired over courses, 95 %: {verdict}.",
         "",
         "RMS difference of planar model and MuJoCo on the acceptance course, in % of each signal's range: "
         + ", ".join(f"{name} {100.0 * one:.1f}" for name, one in zip(models.signals, models.error, strict=True)),

@@ -51,7 +51,14 @@ def test_bca_corrects_for_skewness_and_a_constant_has_an_interval_of_no_width():
     skewed = np.random.default_rng(1).exponential(1.0, 200)
     found = statistics.bootstrapped(skewed)
     assert found.high - found.mean > found.mean - found.low
-    assert statistics.bootstrapped([2.0, 2.0, np.nan]) == statistics.MeanInterval(mean=2.0, low=2.0, high=2.0)
+    assert statistics.bootstrapped([2.0] * 6 + [np.nan]) == statistics.MeanInterval(mean=2.0, low=2.0, high=2.0)
+    # Rounding about a constant is no spread: resampling it, the interval would be undefined.
+    nearly = statistics.bootstrapped([0.9999999999999999, 1.0, 1.0000000000000002] * 4)
+    assert (nearly.low, nearly.high) == pytest.approx((1.0, 1.0))
+
+
+def test_a_handful_of_values_has_a_mean_and_no_interval():
+    assert statistics.bootstrapped([1.0, 2.0, 3.0, 4.0, 5.0]) == statistics.MeanInterval(mean=3.0, low=None, high=None)
 
 
 def test_the_permutation_test_is_exact_where_it_can_be():
@@ -115,3 +122,13 @@ def test_the_medians_interval_is_of_order_statistics():
     assert (found.median, found.low, found.high) == (50.5, 40.0, 61.0)
     assert statistics.median([1.0, 2.0, np.nan]) == statistics.Median(median=1.5, low=None, high=None)
     assert statistics.median([]).median is None
+
+
+def test_a_median_is_as_open_as_its_values():
+    least = np.r_[np.arange(60.0), np.full(40, 60.0)]
+    most = np.r_[np.arange(60.0), np.full(40, np.inf)]
+    assert statistics.median_between(least, most) == statistics.Median(median=49.5, low=39.0, high=None)
+    # Exactly half of the values known: the median is between the last of them and whatever follows.
+    assert statistics.median_between([1.0, 2.0, 9.0, 9.0], [1.0, 2.0, np.inf, np.inf]).median is None
+    nothing = np.full(100, np.inf)
+    assert statistics.median_between(-nothing, nothing) == statistics.Median(median=None, low=None, high=None)

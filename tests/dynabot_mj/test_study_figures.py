@@ -45,9 +45,7 @@ def test_differences_are_particle_minus_rigid_with_their_intervals(dataset):
     figure = study_figures.differences(compare.compared(changed))
     titles = [axis.get_title() for axis in figure.axes]
     axis = figure.axes[titles.index("top speed [m/s]")]
-    interval, place = axis.lines[:2]
-    assert place.get_xdata() == [1.0]
-    assert list(interval.get_xdata()) == pytest.approx([1.0, 1.0])
+    assert axis.lines[0].get_xdata() == [1.0]  # of three trials, without an interval
     assert [label.get_text() for label in figure.axes[0].get_yticklabels()] == ["GPS"]
     plt.close(figure)
 

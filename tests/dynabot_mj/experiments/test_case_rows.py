@@ -39,6 +39,9 @@ def test_restricted_means_count_the_horizon_for_what_did_not_happen_or_after_a_c
     # Arrival came before the contact: (4 + 6 + 14) / 3, and half arrive by 6 s.
     assert row.arrival_s.restricted.mean == pytest.approx(8.0)
     assert row.arrival_s.restricted.median.median == 6.0
+    # Exactly half of two trials: the median is beyond the horizon, or before it.
+    two = case_rows.row(told.isel(case=0, trial=[0, 2]))
+    assert two.arrival_s.restricted.median.median is None
 
 
 def test_the_hazard_counts_from_arrival_to_contact_or_end_and_leaves_earlier_contacts_out(told):
@@ -73,5 +76,6 @@ def test_a_study_of_an_older_version_has_rows_without_what_it_does_not_tell(told
     old = told.drop_vars(["arrival", "formation", "in_band", "contact", "overturned"])
     row = case_rows.rows(old)[0]
     assert row.arrival_s.mean is row.time_to_formation_s.mean is row.collision_hulls_per_min.rate is None
+    assert row.overturned is row.collision_hulls_per_min.excluded is None
     assert row.arrival_s.not_arrived.n == row.time_to_formation_s.without.n == 0
     assert row.settling_s.mean == 11.0

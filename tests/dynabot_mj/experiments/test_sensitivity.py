@@ -42,19 +42,29 @@ def test_estimators_that_cannot_be_told_apart_are_not_ranked(dataset):
     def of(name, rate):
         return replace(row, estimator=name, completion_common=replace(row.completion_common, rate=rate))
 
-    def paired(a, b, p):
+    def paired(a, b, difference, p):
         return Paired(
             factor="estimator", a=f"particle/gauss-markov/{a}", b=f"particle/gauss-markov/{b}",
-            metric="completion_common", difference=0.1, low=0.0, high=0.2, n=100, p=p, p_holm=p,
+            metric="completion_common", difference=difference, low=None, high=None, n=100, p=p, p_holm=p,
         )  # fmt: skip
 
     rows = [of("gps", 0.0), of("decoupled", 0.5), of("coupled", 0.6)]
-    differences = [
-        paired("gps", "decoupled", 0.01),
-        paired("gps", "coupled", 0.01),
-        paired("decoupled", "coupled", 0.2),
-    ]
-    assert sensitivity.ranking("completion_common", rows, differences) == "decoupled ~ coupled < gps"
+
+    def told(gps_decoupled, gps_coupled, decoupled_coupled):
+        differences = [
+            paired("gps", "decoupled", -0.5, gps_decoupled),
+            paired("gps", "coupled", -0.6, gps_coupled),
+            paired("decoupled", "coupled", -0.1, decoupled_coupled),
+        ]
+        return sensitivity.ranking("completion_common", rows, differences)
+
+    assert told(0.01, 0.01, 0.2) == "decoupled ~ coupled < gps"
+    assert told(0.01, 0.01, 0.01) == "coupled < decoupled < gps"
+    # The first and the last differ, but neither from the one between them.
+    assert told(0.3, 0.01, 0.3) == "gps ~ decoupled ~ coupled"
+    # Means over other trials than those of the test are no order.
+    against = [paired("gps", "decoupled", 0.5, 0.01), paired("gps", "coupled", 0.5, 0.01)]
+    assert sensitivity.ranking("completion_common", rows, against) == "gps ~ decoupled ~ coupled"
 
 
 def test_the_whole_is_told_as_tables_json_and_a_figure():
