@@ -43,6 +43,7 @@ gains: $(VENV)/.installed
 # The pictures of the README and of docs/; takes about half an hour.
 pictures: $(VENV)/.installed graphics
 	$(BIN)/dynabot compare --out out/pictures/compare
+	$(BIN)/dynabot compare --sensitivity --out out/pictures/sensitivity
 	$(BIN)/dynabot tune traction --out out/pictures/tune
 	$(BIN)/dynabot track --out out/pictures/track
 	$(BIN)/dynabot circle --out out/pictures/circle
@@ -51,10 +52,12 @@ pictures: $(VENV)/.installed graphics
 	mkdir -p docs/images
 	cp out/pictures/fleet.png docs/images/
 	cp out/pictures/compare/trajectories_decoupled.png out/pictures/compare/table_iii.png docs/images/
+	cp out/pictures/compare/outcomes.png out/pictures/compare/incidence.png docs/images/
+	cp out/pictures/sensitivity/sensitivity.png docs/images/
 	cp out/pictures/circle/fig_3.png docs/images/
 	cp out/pictures/circle/errors.png docs/images/circle_errors.png
 	cp out/pictures/perception/errors.png docs/images/loop_errors.png
-	cp out/pictures/perception/table_iii.png docs/images/perceptions.png
+	cp out/pictures/perception/outcomes.png docs/images/perceptions.png
 	cp out/pictures/tune/tuning.png out/pictures/tune/parity.png out/pictures/track/tracking.png docs/images/
 
 # The lock file pins what is tested; the package itself is installed in place.

@@ -246,8 +246,9 @@ def _cell(one: Paired | Interaction) -> str:
     text = _difference(one)
     if one.metric == "arrival_s" and one.difference is not None:
         text += f" ({one.n})"
-    if one.metric == "time_to_formation_s" and one.median is not None and one.difference is not None:
-        text += f", median {tables.median(one.median, sign='+')}"
+    if one.metric == "time_to_formation_s" and one.median is not None:
+        middle = tables.median(one.median, sign="+")
+        text += f", median {middle}" if middle != "-" else ""
     if one.p_holm is None:
         return text
     p = "p < .001" if one.p_holm < 0.001 else f"p {one.p_holm:.3f}".replace("0.", ".", 1)
