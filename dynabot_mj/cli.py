@@ -1,12 +1,15 @@
 """The command line: one sub-command per file of `commands`, and how they end.
 
-Exit codes: 0 done, 1 failure, 2 bad input (one line: what was given, what is allowed). With `--json`, one JSON document
+Exit codes: 0 done, 1 failure, 2 bad input (one line: what was given, what is allowed), 128 + n ended by signal n (130
+Ctrl-C, 143 SIGTERM, 129 SIGHUP). With `--json`, one JSON document
 is all that a command prints on standard output; progress goes to standard error.
 """
 
 import argparse
 import os
+import signal
 import sys
+import threading
 from collections.abc import Callable, Sequence
 from typing import NoReturn
 
@@ -43,6 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command and returns its exit code."""
     options = argparse.Namespace()
     try:
+        _take_signals()
         options = _parser().parse_args(arguments)
         for name in ("workers", "threads"):
             if getattr(options, name, 1) < 1:
@@ -52,10 +56,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         print(f"dynabot: {error}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as end:
+        number = end.number if isinstance(end, _EndedError) else signal.SIGINT
+        how = "interrupted" if number == signal.SIGINT else f"ended by {signal.Signals(number).name}"
         resumes = hasattr(options, "resume")
-        print("dynabot: interrupted" + "; --resume continues from what was finished" * resumes, file=sys.stderr)
-        return 1
+        print(f"dynabot: {how}" + "; --resume continues from what was finished" * resumes, file=sys.stderr)
+        return 128 + number
     except BrokenPipeError:
         # Whoever read our output has gone, e.g. `dynabot compare | head`.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -64,6 +70,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"dynabot: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+class _EndedError(KeyboardInterrupt):
+    """A signal ends us as Ctrl-C does."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
+
+
+def _take_signals() -> None:
+    """Lets batch systems, containers and closed terminals end us as Ctrl-C does: orderly, with all our processes."""
+    if threading.current_thread() is not threading.main_thread():
+        return
+
+    def end(number: int, frame: object) -> NoReturn:
+        raise _EndedError(number)
+
+    for name in ("SIGTERM", "SIGHUP"):
+        # One that is ignored, as under nohup, stays so.
+        if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) == signal.SIG_DFL:
+            signal.signal(getattr(signal, name), end)
 
 
 def _parser() -> _Parser:

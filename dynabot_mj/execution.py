@@ -9,16 +9,14 @@ import contextlib
 import functools
 import hashlib
 import importlib.metadata
-import multiprocessing
 import os
 import pickle
 import platform
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
-from dynabot_mj import __version__, configuration, files, opengl, scenario
+from dynabot_mj import __version__, configuration, files, opengl, processes, scenario
 from dynabot_mj.errors import InputError
 from dynabot_mj.scenario import Case, Scenario
 from dynabot_mj.simulation import Outcome, Progress, simulate
@@ -171,23 +169,18 @@ def _execute(todo: Mapping[int, _Chunk], how: Execution, tally: _Tally) -> Itera
         for index, chunk in todo.items():
             yield index, _run_chunk(index, chunk, functools.partial(tally.update, index))
         return
-    # A new interpreter per worker: forking a process that runs MuJoCo's threads is unsafe.
-    context = multiprocessing.get_context("spawn")
-    reports, stop = context.SimpleQueue(), context.Event()
+    reports, stop = processes.context.SimpleQueue(), processes.context.Event()
     with contextlib.ExitStack() as stack:
         executor: concurrent.futures.Executor
         if how.scheduler is not None:
             executor = _dask_executor(how.scheduler, stack)
         else:
-            executor = concurrent.futures.ProcessPoolExecutor(
-                min(how.workers, len(todo)), context, _start_worker, (reports, stop)
-            )
-            stack.enter_context(executor)
+            executor = stack.enter_context(processes.pool(min(how.workers, len(todo)), reports, stop))
         # Long chunks first, so that no worker is left with one at the end.
         order = sorted(todo, key=lambda index: -todo[index].weight)
         with files.uninterrupted(), opengl.unasked():
-            # Workers are started here and inherit that they ignore Ctrl-C, which reaches every process of a terminal,
-            # and that they need no OpenGL.
+            # Workers are started here and inherit that they ignore signals, which reach every process of a terminal or
+            # of a batch job, and that they need no OpenGL.
             waiting = {executor.submit(_run_chunk, index, todo[index]): index for index in order}
         try:
             while waiting:
@@ -198,7 +191,6 @@ def _execute(todo: Mapping[int, _Chunk], how: Execution, tally: _Tally) -> Itera
                     yield waiting.pop(future), future.result()
         except BaseException:
             stop.set()
-            executor.shutdown(wait=True, cancel_futures=True)  # a worker that still starts needs our semaphores
             raise
 
 
@@ -216,23 +208,14 @@ def _dask_executor(address: str, stack: contextlib.ExitStack) -> concurrent.futu
     return executor
 
 
-# Set in worker processes only: where to report the progress, and whether the study was interrupted.
-_worker_links: tuple[Any, Any] | None = None
-
-
-def _start_worker(reports: Any, stop: Any) -> None:
-    global _worker_links
-    _worker_links = (reports, stop)
-
-
 def _run_chunk(index: int, chunk: _Chunk, progress: Progress | None = None) -> Outcome:
     reported = 0.0
 
     def tell_parent(share: float) -> None:
         nonlocal reported
-        if _worker_links is None:
+        if not (links := processes.links()):
             return
-        reports, stop = _worker_links
+        reports, stop = links  # where to report the progress, and whether the study was interrupted
         if stop.is_set():
             raise CancelledError
         if share >= reported + 0.02:

@@ -11,6 +11,8 @@ from pathlib import Path
 
 from dynabot_mj.errors import InputError
 
+# Signals by which a user, a batch system or a closed terminal ends us.
+ENDING = {getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)}
 _LIST = ".results"  # names of the files of the latest results in a folder
 
 
@@ -41,22 +43,26 @@ def write(path: Path, content: bytes) -> None:
 
 @contextlib.contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Puts Ctrl-C off to the end of a moment that must not be cut in two; processes started meanwhile never get it."""
+    """Puts signals that end us off to the end of a moment that must not be cut in two.
+
+    Processes started meanwhile never get them: they are told by their parent.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield  # only the main thread is interrupted
         return
     came: list[int] = []
-    # The handler holds it back here, whichever thread the system picks; the mask is what child processes inherit.
-    handler = signal.signal(signal.SIGINT, lambda number, frame: came.append(number))
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if hasattr(signal, "pthread_sigmask") else None
+    # The handlers hold them back here, whichever thread the system picks; the mask is what child processes inherit.
+    handlers = {one: signal.signal(one, lambda number, frame: came.append(number)) for one in ENDING}
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING) if hasattr(signal, "pthread_sigmask") else None
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, handler)
+        for one, handler in handlers.items():
+            signal.signal(one, handler)
         if mask is not None:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
     if came:
-        raise KeyboardInterrupt
+        signal.raise_signal(came[0])
 
 
 @contextlib.contextmanager

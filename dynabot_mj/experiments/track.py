@@ -4,15 +4,13 @@ On courses of force, on the formation with perfect information at the periods of
 friction.
 """
 
-import concurrent.futures
-import multiprocessing
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from dynabot_mj import configuration, manoeuvres, metrics, scenario, statistics, testbed
+from dynabot_mj import configuration, files, manoeuvres, metrics, opengl, processes, scenario, statistics, testbed
 from dynabot_mj.arrays import Array
 from dynabot_mj.experiments import formation_tracking, tables, tracking
 from dynabot_mj.experiments.formation_tracking import FormationTracking
@@ -127,16 +125,13 @@ def run(seed: int, trials: int, workers: int, progress: Progress = lambda share:
     split = len(tasks)
     tasks += [_task(TUNED, seed, trials, COURSE_PERIOD, "perfect", friction) for friction in FRICTIONS]
     found: list[FormationTracking] = []
-    with concurrent.futures.ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
-        futures = [pool.submit(_formation, task) for task in tasks]
-        try:
-            driven = _courses(seed)
-            for done, future in enumerate(futures):
-                found.append(future.result())
-                progress((done + 1) / len(tasks))
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    with processes.pool(workers) as pool:
+        with files.uninterrupted(), opengl.unasked():
+            futures = [pool.submit(_formation, task) for task in tasks]
+        driven = _courses(seed)
+        for done, future in enumerate(futures):
+            found.append(future.result())
+            progress((done + 1) / len(tasks))
     rows = [_row(task, outcome) for task, outcome in zip(tasks, found, strict=True)]
     return Report(
         seed=seed,

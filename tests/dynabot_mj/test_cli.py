@@ -95,7 +95,7 @@ def test_ctrl_c_keeps_finished_parts_and_resume_continues(dynabot, command, tmp_
         time.sleep(0.05)
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=60)
-    assert process.returncode == 1
+    assert process.returncode == 130
     assert err.splitlines()[-1].startswith("dynabot: interrupted")
     assert "Traceback" not in err
     assert out == ""
@@ -115,7 +115,7 @@ def test_ctrl_c_while_the_workers_start_is_one_line(command, delay, tmp_path):
     time.sleep(delay)
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=60)
-    assert process.returncode == 1
+    assert process.returncode == 130
     assert [line for line in err.splitlines() if not line.startswith(("note:", "compare:"))] == [
         "dynabot: interrupted; --resume continues from what was finished"
     ]

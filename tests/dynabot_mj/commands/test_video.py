@@ -99,7 +99,7 @@ def test_ctrl_c_while_it_is_drawn_is_one_line_and_leaves_nothing(command, tmp_pa
     assert [file.name for file in tmp_path.iterdir()] == [".a.partial.mp4"]
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=60)
-    assert process.returncode == 1
+    assert process.returncode == 130
     assert out == ""
     assert err.splitlines()[-1] == "dynabot: interrupted"
     assert "Traceback" not in err
