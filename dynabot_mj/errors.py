@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import difflib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from pydantic import ValidationError
 
 
@@ -22,6 +25,12 @@ class InfeasibleScheduleError(InputError):
 
 class OutOfFittedRangeError(InputError):
     """The radio model was asked for a fleet or a message outside the range that it was fitted on."""
+
+
+def suggestion(given: str, allowed: Iterable[str]) -> str:
+    """Returns `; did you mean ...?` where something that is allowed is much like what was given, else nothing."""
+    near = difflib.get_close_matches(given, list(allowed), n=1, cutoff=0.6)
+    return f"; did you mean {near[0]}?" if near else ""
 
 
 def one_line(error: ValidationError) -> str:
