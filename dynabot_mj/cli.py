@@ -6,6 +6,7 @@ is all that a command prints on standard output; progress goes to standard error
 """
 
 import argparse
+import io
 import os
 import signal
 import sys
@@ -66,6 +67,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = argparse.Namespace()
     try:
         _take_signals()
+        _speak()
+        # A notebook that starts us as a command names its own, without which Matplotlib cannot even be imported here.
+        os.environ["MPLBACKEND"] = "agg"
         options = _parser().parse_args(arguments)
         for name in ("workers", "threads"):
             if getattr(options, name, 1) < 1:
@@ -111,6 +115,13 @@ def _take_signals() -> None:
         # One that is ignored, as under nohup, stays so.
         if hasattr(signal, name) and signal.getsignal(getattr(signal, name)) == signal.SIG_DFL:
             signal.signal(getattr(signal, name), end)
+
+
+def _speak() -> None:
+    """Lets what a terminal or a file cannot show, such as ± in ASCII, be shown as something else instead of failing."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
 
 
 def _parser() -> _Parser:

@@ -6,7 +6,7 @@ Precedence is defaults < TOML < command line. Whatever is wrong is told in one l
 import json
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -70,7 +70,7 @@ def read(path: Path) -> dict[str, Any]:
         InputError: If it cannot be read or is not TOML.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # some editors put a byte order mark first
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not a text file"
         raise InputError(f"cannot read the configuration {path}: {reason}") from error
@@ -97,7 +97,7 @@ def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> S
         # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
         setup = TypeAdapter(Scenario).validate_json(json.dumps(merged, default=str))
     except ValidationError as error:
-        raise InputError(f"{origin}: {one_line(error)}") from error
+        raise InputError(f"{origin}: {one_line(error, _keys(asdict(Scenario())))}") from error
     check(setup)
     return setup
 
@@ -177,11 +177,21 @@ def check(setup: Scenario) -> None:
         )
 
 
+def _keys(tree: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    """Yields the keys of a tree with those of their tables, as `radio.message_bytes`."""
+    for key, value in tree.items():
+        yield f"{prefix}{key}"
+        if isinstance(value, dict):
+            yield from _keys(value, f"{prefix}{key}.")
+
+
 def _parsed(text: str, origin: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{origin} is not TOML: {error}") from error
+    except RecursionError:
+        raise InputError(f"{origin} is no configuration: brackets are nested too deeply") from None
 
 
 def _check_perception(setup: Scenario) -> None:

@@ -1,5 +1,6 @@
 """The law of a study: the potential field, or a function of the user's, `my_module:my_law`, in its place."""
 
+import contextlib
 import importlib
 import sys
 import traceback
@@ -43,7 +44,8 @@ def build(name: str, field: PotentialField) -> Law:
 
     def follow_user(known: Information) -> Array:
         try:
-            force_w = np.asarray(law(known), dtype=float)
+            with contextlib.redirect_stdout(sys.stderr):  # where our own results go is no place for what it prints
+                force_w = np.asarray(law(known), dtype=float)
         except Exception as error:  # it is the user's: anything
             raise InputError(f"controller {name!r} failed at {known.time:g} s: {_told(error)}") from error
         if force_w.shape != known.position_w.shape:
@@ -78,7 +80,8 @@ def _load(name: str) -> Law:
     if here not in sys.path:
         sys.path.insert(0, here)  # commands, and their worker processes, start without it
     try:
-        law: Law = getattr(importlib.import_module(module_name), function)
+        with contextlib.redirect_stdout(sys.stderr):
+            law: Law = getattr(importlib.import_module(module_name), function)
     except AttributeError as error:
         raise InputError(f"controller {name!r} given: {error}") from error
     except Exception as error:  # whatever happens in a module of the user's

@@ -147,11 +147,22 @@ class FormationTask(control.Task):
         self._everybody = np.ones((1, setup.robots), dtype=bool)
 
     def before_step(self, action: Array, physics: FleetPhysics) -> None:
-        """Commands the robots."""
+        """Commands the robots.
+
+        Raises:
+            InputError: If the action is not one: it would stop a robot for the rest of the episode, without a word.
+        """
+        commands = np.asarray(action, dtype=float)
+        shape = (self._setup.robots, 2 if self._action == "force" else len(scene.WHEELS))
+        if commands.shape != shape:
+            raise InputError(f"an action of shape {commands.shape} given, `action_spec` has {shape}, a row per robot")
+        if not np.isfinite(commands).all():
+            robots = ", ".join(str(1 + i) for i in np.nonzero(~np.isfinite(commands).all(axis=1))[0])
+            raise InputError(f"an action that is not finite given to robot {robots} at {physics.state.time:g} s")
         if self._action == "force":
-            physics.command_force(potential_field.saturate(np.asarray(action)[None], self._force_limit))
+            physics.command_force(potential_field.saturate(commands[None], self._force_limit))
         else:
-            physics.command_wheels(np.asarray(action)[None])
+            physics.command_wheels(commands[None])
 
     def get_observation(self, physics: FleetPhysics) -> dict[str, Array]:
         """Returns what is seen of the robots; with `heard`, they sample and broadcast now."""

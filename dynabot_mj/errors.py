@@ -33,15 +33,24 @@ def suggestion(given: str, allowed: Iterable[str]) -> str:
     return f"; did you mean {near[0]}?" if near else ""
 
 
-def one_line(error: ValidationError) -> str:
-    """Returns pydantic's findings as `key = value: what is allowed`, joined."""
+def one_line(error: ValidationError, allowed: Iterable[str] = ()) -> str:
+    """Returns pydantic's findings as `key = value: what is allowed`, joined.
+
+    Args:
+        error: Pydantic's.
+        allowed: The keys that there are, with those of their tables: `radio.message_bytes`.
+    """
     lines: dict[str, str] = {}
     for found in error.errors(include_url=False):
         # Behind the field's own name, a union names its branch (such as "constrained-float") and a tuple its index.
         key = ".".join(part for part in found["loc"] if isinstance(part, str) and part.isidentifier())
         if found["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
-            lines[key] = f"unknown key {key}"
+            lines[key] = f"unknown key {key or repr(found['loc'][-1])}{suggestion(key, allowed)}"
         else:
             # What a union or a tuple adds behind its first finding is about our types, not about the input.
-            lines.setdefault(key, f"{key} = {found['input']!r}: {found['msg'][0].lower()}{found['msg'][1:]}")
+            told = f"{key} = {found['input']!r}: {found['msg'][0].lower()}{found['msg'][1:]}"
+            given, most = found["input"], found.get("ctx", {}).get("le")
+            if most == 1.0 and isinstance(given, int | float) and 1.0 < given <= 100.0:
+                told += f"; a fraction is meant: {given / 100.0:g}?"
+            lines.setdefault(key, told)
     return "; ".join(lines.values())

@@ -28,7 +28,13 @@ _PERCEPTION_HATCH = {"": "", "gauss-markov": "", "filter": "...", "fitted": "xxx
 _Bar = tuple[float, float, float]  # height, and the lengths of its whiskers below and above
 _NOTHING: _Bar = (math.nan, math.nan, math.nan)  # draws nothing
 
+# Matplotlib's own defaults first: a user's matplotlibrc is about the user's figures, and may ask for a missing LaTeX.
 STYLE: dict[Any, Any] = {
+    **{
+        key: value
+        for key, value in matplotlib.rcParamsDefault.items()
+        if not key.startswith(("backend", "interactive"))
+    },
     "font.size": 10,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -207,7 +213,8 @@ def errors(study: xr.Dataset) -> Figure | None:
 def save(figure: Figure, path: Path) -> None:
     """Writes a figure and forgets it; the format follows from the name."""
     smaller: dict[str, Any] = {"pil_kwargs": {"optimize": True}} if path.suffix == ".png" else {}
-    figure.savefig(path, **smaller)
+    with plt.rc_context(STYLE):
+        figure.savefig(path, **smaller)
     plt.close(figure)
 
 

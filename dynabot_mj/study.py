@@ -79,8 +79,12 @@ def run(setup: Scenario, execution: Execution = _HERE, progress: Progress = lamb
 
 
 def save(dataset: xr.Dataset, path: Path) -> None:
-    """Writes a Dataset as NetCDF; equal Datasets give equal bytes."""
-    dataset.to_netcdf(path, engine="h5netcdf")
+    """Writes a Dataset as NetCDF; equal Datasets give equal bytes.
+
+    Raises:
+        OSError: If it cannot be written, as on a full disk, which the NetCDF library itself would not survive.
+    """
+    path.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
 
 
 def load(path: Path) -> xr.Dataset:

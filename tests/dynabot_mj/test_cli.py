@@ -1,5 +1,6 @@
 """The command line through its real entry point."""
 
+import json
 import os
 import signal
 import subprocess
@@ -22,6 +23,16 @@ NONSENSE = [
     (["compare", "--workers", "0"], "--workers 0 given"),
     (["compare", "--utilisation", "0.1"], "the utilisation bound is 0.1"),
     (["compare", "--bogus"], "unrecognized arguments: --bogus"),
+    (
+        ["compare", "--trial", "7"],
+        "unrecognized arguments: --trial 7; did you mean --trials? (see dynabot compare --help)",
+    ),
+    (["run", "--estimato", "gps"], "did you mean --estimator? (see dynabot run --help)"),
+    (["compare", "--estimators", "decopled"], "invalid choice: 'decopled'; did you mean decoupled?"),
+    (["compare", "--utilisation", "95"], "a fraction is meant: 0.95?"),
+    (["compare", "--config", "misspelt.toml"], "unknown key radio.mesage_bytes; did you mean radio.message_bytes?"),
+    (["compare", "--config", "nested.toml"], "brackets are nested too deeply"),
+    (["compare", "--config", "nameless.toml"], "unknown key ''"),
     (["compare", "--config", "unknown.toml"], "unknown key bogus"),
     (["compare", "--config", "type.toml"], "trials = 'many'"),
     (["compare", "--config", "mass.toml"], "mass = -12.0"),
@@ -71,6 +82,9 @@ def test_nonsense_is_one_line_and_code_2_before_any_work(dynabot, arguments, mes
     (tmp_path / "mass.toml").write_text("mass = -12.0")
     (tmp_path / "several.toml").write_text("plants = ['particle', 'rigid']")
     (tmp_path / "light.toml").write_text("mass = 10.0")
+    (tmp_path / "misspelt.toml").write_text("[radio]\nmesage_bytes = 3")
+    (tmp_path / "nested.toml").write_text(f"robots = {'[' * 3000}{']' * 3000}")
+    (tmp_path / "nameless.toml").write_text('"" = 1')
     (tmp_path / "binary.toml").write_bytes(bytes(range(128, 256)))
     before = sorted(tmp_path.iterdir())
     done = dynabot(*arguments, cwd=tmp_path)
@@ -142,3 +156,41 @@ def test_version_and_module_entry_point(dynabot):
     done = subprocess.run([sys.executable, "-m", "dynabot_mj", "--help"], capture_output=True, text=True, check=False)
     assert done.returncode == 0
     assert "compare" in done.stdout
+
+
+SHORT = ["run", "--plant", "particle", "--estimator", "gps", "--duration", "14", "--out"]
+
+
+@pytest.mark.parametrize(
+    "surroundings",
+    [
+        {"PYTHONIOENCODING": "ascii"},
+        {"PYTHONUTF8": "0", "PYTHONIOENCODING": "cp1252"},
+        {"MPLBACKEND": "module://a_notebooks.own"},
+        {"MATPLOTLIBRC": "."},
+    ],
+    ids=" ".join,
+)
+def test_what_surrounds_us_does_not_stop_us(command, surroundings, tmp_path):
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\nfont.family: no such one\n")
+    line = [command, *SHORT, "out"]
+    done = subprocess.run(
+        line, capture_output=True, timeout=300, cwd=tmp_path, env={**os.environ, **surroundings}, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "trajectories.png").is_file()
+
+
+def test_a_byte_order_mark_is_no_part_of_a_configuration(dynabot, tmp_path):
+    (tmp_path / "marked.toml").write_bytes(b"\xef\xbb\xbfseed = 5\n")
+    done = dynabot(*SHORT, tmp_path / "out", "--config", tmp_path / "marked.toml")
+    assert done.returncode == 0, done.stderr
+    assert "seed 5" in done.stdout
+
+
+def test_a_law_that_prints_does_not_spoil_the_document(dynabot, tmp_path):
+    (tmp_path / "loud.py").write_text("print('hello')\ndef law(known):\n    print('!')\n    return -known.position_w\n")
+    done = dynabot(*SHORT, "out", "--json", "--controller", "loud:law", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["plant"] == "particle"
+    assert "hello" in done.stderr

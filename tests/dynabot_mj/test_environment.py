@@ -220,3 +220,16 @@ def test_a_collision_is_worth_nothing_while_it_lasts(placed):
 def test_nonsense_is_refused(options, message):
     with pytest.raises(InputError, match=message):
         environment.load(**options)
+
+
+@pytest.mark.parametrize("action", ["force", "wheels"])
+def test_an_action_that_is_none_is_refused(action):
+    env = environment.load(2, action, duration=1.0)
+    env.reset()
+    good = np.zeros(env.action_spec().shape)
+    bad = good.copy()
+    bad[1, 0] = np.nan
+    with pytest.raises(InputError, match="an action that is not finite given to robot 2 at 0 s"):
+        env.step(bad)
+    with pytest.raises(InputError, match=r"an action of shape \(2,\) given, `action_spec` has"):
+        env.step(good[:, 0])

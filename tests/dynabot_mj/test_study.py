@@ -1,5 +1,6 @@
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -95,3 +96,12 @@ def test_a_study_of_an_older_version_is_read_and_judged_as_today(dataset, tmp_pa
     np.testing.assert_array_equal(read.completion_common, [[0.0, 1.0, np.nan], [1.0, 0.0, 1.0]])
     assert study.missing(read) == []
     assert study.missing(read.drop_vars("closest")) == ["closest"]
+
+
+def test_what_cannot_be_written_is_an_error_and_no_crash(dataset, monkeypatch, tmp_path):
+    def full(self, content):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(OSError, match="No space left"):
+        study.save(dataset, tmp_path / "study.nc")
