@@ -1,5 +1,6 @@
 """Figures of a study. One colour per robot and one per method, the same in every figure; colour-blind safe."""
 
+import io
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,6 +15,7 @@ import matplotlib.pyplot as plt  # the back end has to be chosen before
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from PIL import Image
 
 from dynabot_mj import configuration, scenario, statistics, testbed
 from dynabot_mj.colours import METHOD_COLOURS, PERCEPTION_COLOURS, ROBOT_COLOURS
@@ -212,9 +214,15 @@ def errors(study: xr.Dataset) -> Figure | None:
 
 def save(figure: Figure, path: Path) -> None:
     """Writes a figure and forgets it; the format follows from the name."""
-    smaller: dict[str, Any] = {"pil_kwargs": {"optimize": True}} if path.suffix == ".png" else {}
     with plt.rc_context(STYLE):
-        figure.savefig(path, **smaller)
+        if path.suffix == ".png":
+            drawn = io.BytesIO()
+            figure.savefig(drawn, format="png")
+            # Lines and letters of a few colours: a palette of them is half the file.
+            palette = Image.open(drawn).convert("RGB").quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+            palette.save(path, optimize=True)
+        else:
+            figure.savefig(path)
     plt.close(figure)
 
 
