@@ -10,8 +10,11 @@ motion. IPOPT minimises, over all courses and control periods, the mean of
 It is a sum of squares r.r of gains scaled to their bounds, so the Hessian is taken as 2 J^T J (Gauss-Newton).
 """
 
+import contextlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
@@ -146,14 +149,17 @@ def tune(
     }
     solver = casadi.nlpsol("solver", "ipopt", {"x": share, "f": casadi.sumsqr(residual)}, options)
     first = np.array([{**asdict(getattr(start, problem.steering)), **asdict(start.traction)}[name] for name in names])
-    result = solver(x0=np.clip((first - low) / (high - low), 0.0, 1.0), lbx=0.0, ubx=1.0)
+    with _held_back(watch.came):
+        result = solver(x0=np.clip((first - low) / (high - low), 0.0, 1.0), lbx=0.0, ubx=1.0)
     if watch.interrupted:
         raise KeyboardInterrupt
-    # The solver may stop a step or two behind the best point that it has seen.
-    best = watch.best if watch.lowest <= float(result["f"]) else np.array(result["x"]).ravel()
-    found = low + (high - low) * best
     stats = solver.stats()
-    before, after = float(casadi.sumsqr(_residual(problem, start)(first))), min(watch.lowest, float(result["f"]))
+    # The solver may stop a step or two behind the best point that it has seen; where it broke down, its result is no
+    # point at all.
+    last = float(result["f"]) if stats["success"] else math.inf
+    best = watch.best if watch.lowest <= last else np.array(result["x"]).ravel()
+    found = low + (high - low) * best
+    before, after = float(casadi.sumsqr(_residual(problem, start)(first))), min(watch.lowest, last)
     # A start outside the bounds may be better than all within them.
     tuned = _with(start, problem.steering, dict(zip(names, found.tolist(), strict=True))) if after < before else start
     return Solution(
@@ -364,6 +370,29 @@ def _clip(value: Symbol, limit: Symbol) -> Symbol:
     return value / (1.0 + casadi.fabs(value / limit) ** 10) ** 0.1
 
 
+@contextlib.contextmanager
+def _held_back(came: list[int]) -> Iterator[None]:
+    """Notes the signals that end a program in `came` while compiled code runs, which would swallow what they raise.
+
+    They are raised again afterwards, for whoever takes them.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread takes signals
+        return
+    ending = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    # One that is ignored stays so.
+    handlers = {one: signal.getsignal(one) for one in ending if signal.getsignal(one) is not signal.SIG_IGN}
+    for one in handlers:
+        signal.signal(one, lambda number, frame: came.append(number))
+    try:
+        yield
+    finally:
+        for one, handler in handlers.items():
+            signal.signal(one, handler)
+    if came:
+        signal.raise_signal(came[0])
+
+
 class _Watch(casadi.Callback):
     """Tells the progress of the solver, and stops it on Ctrl-C."""
 
@@ -373,6 +402,7 @@ class _Watch(casadi.Callback):
         self.history: list[float] = []
         self.lowest, self.best = math.inf, np.zeros(size)
         self.interrupted = False
+        self.came: list[int] = []  # signals that end the program
         self.construct("watch", {})
 
     def get_n_in(self) -> int:
@@ -399,4 +429,4 @@ class _Watch(casadi.Callback):
             self._progress(len(self.history) - 1, self.history[-1])
         except KeyboardInterrupt:
             self.interrupted = True
-        return [int(self.interrupted)]
+        return [int(self.interrupted or bool(self.came))]

@@ -47,7 +47,7 @@ def tune(options: argparse.Namespace) -> None:
         result = experiment.run(request, tell)
     parity = models.parity(request.conditions)
     document, text = experiment.document(result, parity), experiment.markdown(result, parity)
-    name = "gains.toml" if result.validation.better else "not_adopted.toml"
+    name = "gains.toml" if result.adopted else "not_adopted.toml"
     note = f"; the gains are {folder / name}"
     with results.report(options, folder, "tuning", document, text, note) as stage:
         (stage / name).write_text(gain_sets.dump(result.solution.gains, result.provenance), encoding="utf-8")

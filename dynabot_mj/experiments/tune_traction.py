@@ -88,6 +88,11 @@ class Result:
     after: Tracking
 
     @property
+    def adopted(self) -> bool:
+        """Whether the gains take the place of those to beat: better for certain, by a solver that has succeeded."""
+        return self.solution.converged and self.validation.better
+
+    @property
     def provenance(self) -> dict[str, Any]:
         """How the gains were found, for the gain file."""
         solution, improvement = self.solution, self.validation.improvement
@@ -109,7 +114,7 @@ class Result:
             "validation_cost_before": float(self.validation.cost_before.mean()),
             "validation_cost_after": float(self.validation.cost_after.mean()),
             "validation_improvement": [one for one in (improvement.low, improvement.high) if one is not None],
-            "adopted": self.validation.better,
+            "adopted": self.adopted,
         }
 
 
@@ -248,7 +253,10 @@ def markdown(result: Result, models: Parity) -> str:
         [f"{one.friction:g}", f"{one.payload_kg:g}", f"{one.period_ms:g}", *_costs(one.cost_before, one.cost_after)]
         for one in validation.conditions
     ]
-    verdict = "better: adopted" if validation.better else f"not better than {request.against}: not adopted"
+    verdict = "better" if validation.better else f"not better than {request.against}"
+    verdict += ": adopted" if result.adopted else ": not adopted"
+    if not solution.converged:
+        verdict += ", the solver did not succeed"
     lines = [
         f"# Tuning of {request.steering}, from {request.start}, seed {request.seed}, T_c = {1e3 * request.period:g} ms",
         "",

@@ -1,3 +1,4 @@
+import signal
 from dataclasses import asdict, replace
 
 import casadi
@@ -212,3 +213,23 @@ def test_the_response_has_the_particle_beside_it(problem):
         np.testing.assert_allclose(response.particle_velocity_w[0, k], velocity, atol=1e-12)
     # The vehicle follows it, from rest and from the side, some way behind.
     assert np.linalg.norm(response.velocity_w[0, -1] - velocity) < 0.5 * np.linalg.norm(velocity)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_inside_the_solver_ends_the_tuning_and_is_passed_on(problem, number):
+    """Compiled code would swallow what a handler raises, and go on with nonsense."""
+    taken, seen = [], []
+    before = signal.signal(number, lambda one, frame: taken.append(one))
+
+    def interrupt(iteration, cost):
+        seen.append(iteration)
+        if iteration == 1:
+            signal.raise_signal(number)
+            assert not taken  # held back until the solver has stopped
+
+    try:
+        tuning.tune(problem, gains.load("first"), interrupt)
+    finally:
+        signal.signal(number, before)
+    assert taken == [number]
+    assert seen[-1] <= 2
