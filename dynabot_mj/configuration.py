@@ -35,6 +35,11 @@ _STEEPEST = 0.04
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
+# A value is refused beyond so many times its default, which a factor of 1,000 in its unit is.
+_FAR = 300.0
+# Where the default follows from others: what is refused is beyond this [s], [m], [kg].
+_LARGEST_AUTO = {"sample_period": 2.0, "control_period": 2.0, "neighbour_range": 1e3, "mass": 1e3}
+_ANY_SIZE = {"duration"}  # has a range of its own
 _NONE: Mapping[str, Any] = {}
 # Tables of the options that are not top-level keys.
 _TABLES = {"utilisation": "processor", "headings": "start", "implementation": "filter"} | {
@@ -118,6 +123,7 @@ def check(setup: Scenario) -> None:
     Raises:
         InputError: With the values that do not fit together.
     """
+    _check_sizes(asdict(setup), asdict(Scenario()))
     for estimator in setup.estimators:
         _, control_ticks = periods(setup, estimator)
         control_period = control_ticks * setup.processor.tick
@@ -192,6 +198,25 @@ def _parsed(text: str, origin: str) -> dict[str, Any]:
         raise InputError(f"{origin} is not TOML: {error}") from error
     except RecursionError:
         raise InputError(f"{origin} is no configuration: brackets are nested too deeply") from None
+
+
+def _check_sizes(tree: Mapping[str, Any], defaults: Mapping[str, Any], prefix: str = "") -> None:
+    """Refuses quantities that are far too large: most are in thousandths of the unit that is meant.
+
+    Raises:
+        InputError: With the first of them.
+    """
+    for key, value in tree.items():
+        name, default = f"{prefix}{key}", defaults[key]
+        if isinstance(value, dict):
+            _check_sizes(value, default, f"{name}.")
+        elif isinstance(value, float):
+            usual = _LARGEST_AUTO.get(key, 0.0) if default == "auto" else default
+            most = _FAR * usual if isinstance(usual, float) and default != "auto" else usual
+            if isinstance(most, float) and 0.0 < most < value < math.inf and key not in _ANY_SIZE:
+                raise InputError(
+                    f"{name} = {value:g} given, it must be at most {most:g}, in SI units; is {value / 1e3:g} meant?"
+                )
 
 
 def _check_perception(setup: Scenario) -> None:
