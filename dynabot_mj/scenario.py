@@ -48,7 +48,7 @@ STEERINGS: tuple[SteeringName, ...] = get_args(SteeringName)
 SENSINGS: tuple[SensingName, ...] = get_args(SensingName)
 
 # By the number of robots: 80 s reproduces Table III; more robots take longer, and in these times more than 95 % of the
-# trials of the slowest row, gps, arrive on both plants (docs/measures.md).
+# point masses of the slowest row, gps, arrive (docs/measures.md).
 DURATIONS = {2: 80.0, 3: 80.0, 4: 100.0, 5: 120.0, 6: 160.0, 7: 240.0}  # [s]; ours
 
 PositiveOrInfinite = Annotated[float, Field(gt=0.0)]
