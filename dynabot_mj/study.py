@@ -84,7 +84,7 @@ def save(dataset: xr.Dataset, path: Path) -> None:
     Raises:
         OSError: If it cannot be written, as on a full disk, which the NetCDF library itself would not survive.
     """
-    path.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+    Path(path).write_bytes(dataset.to_netcdf(engine="h5netcdf"))
 
 
 def load(path: Path) -> xr.Dataset:
