@@ -6,6 +6,6 @@ from hypothesis import settings
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.load_profile("repeatable")
 
-# A shell that starts the tests in its background lets them ignore Ctrl-C, and with them all that they start and end by it.
+# A shell that starts the tests in its background lets them ignore Ctrl-C, and so whatever they start and end by it.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
