@@ -158,6 +158,7 @@ def test_a_particle_loop_that_blows_up_is_reported():
     assert np.isfinite(outcome.final_position_w).all()
 
 
+@pytest.mark.slow
 def test_long_runs_keep_their_last_sample():
     outcome = run("particle", "coupled", [0], recorded=1, duration=1600.0)
     assert outcome.time[-1] == pytest.approx(1600.0)

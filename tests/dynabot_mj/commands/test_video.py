@@ -107,6 +107,7 @@ def test_ctrl_c_while_it_is_drawn_is_one_line_and_leaves_nothing(command, tmp_pa
 
 
 @drawn
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_length(command, tmp_path):
     """Holding the frames would take 140 MB for 20 s and 560 MB for 80 s, beside about 300 MB for all else."""
     measure = (
@@ -153,8 +154,12 @@ def test_without_a_library_everything_else_works(command, tmp_path, without_grap
     ("asked", "told"),
     [
         ("osmesa", "OpenGL osmesa does not work"),
-        ("glfw", "OpenGL glfw does not work"),
-        ("nonsense", "MUJOCO_GL=nonsense cannot draw; unset it, or set it to one of egl, osmesa, glfw"),
+        pytest.param("glfw", "OpenGL glfw does not work", marks=pytest.mark.slow),
+        pytest.param(
+            "nonsense",
+            "MUJOCO_GL=nonsense cannot draw; unset it, or set it to one of egl, osmesa, glfw",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_a_back_end_that_is_not_there_keeps_nothing_but_pictures(command, tmp_path, without_graphics, asked, told):

@@ -10,6 +10,14 @@ def brief():
     return study.run(configuration.build({}, trials=2, first_trial=3, duration=2.0, estimators=["perfect", "gps"]))
 
 
+@pytest.fixture(scope="module", autouse=True)
+def few_runs():
+    """The tether with two runs instead of twenty: what is asked here is not how accurate they are."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(material, "_CIRCLE_RUNS", 2)
+        yield
+
+
 @pytest.fixture(scope="module")
 def gathered(brief):
     shares = []
