@@ -69,7 +69,7 @@ def build(material: Material) -> Report:
 
 _INTRODUCTION = """Robots share one processor between estimation, control and radio, and gather around a leader. The
 same forces, errors and messages, trial by trial, drive point masses and rigid, skidding vehicles: what differs is the
-body."""
+body, with the local laws that drive it."""
 
 
 def _result(comparison: Comparison, tables: Mapping[str, str]) -> Section:
