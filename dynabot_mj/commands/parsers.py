@@ -68,7 +68,12 @@ def science() -> argparse.ArgumentParser:
     rigid.add_argument("--slope", type=float, help="rise of the ground per metre toward +x (default 0)")
     rigid.add_argument("--payload", type=float, metavar="KG", help="mass on each robot's top (default 0)")
     rigid.add_argument("--steering", choices=STEERINGS, help="steering law (default hand-point)")
-    rigid.add_argument("--sensing", choices=SENSINGS, help="what the local laws run on (default on-board)")
+    rigid.add_argument(
+        "--sensing",
+        choices=SENSINGS,
+        help="what the local laws run on (default on-board: ideal but for the wheels' slip, with the sensors' errors where "
+        "real filters run)",
+    )
     rigid.add_argument("--gains", metavar="SET", help="of the local laws: tuned, first, or a gain file (default tuned)")
     return parser
 
