@@ -71,8 +71,8 @@ def science() -> argparse.ArgumentParser:
     rigid.add_argument(
         "--sensing",
         choices=SENSINGS,
-        help="what the local laws run on (default on-board: ideal but for the wheels' slip, with the sensors' errors where "
-        "real filters run)",
+        help="what the local laws run on (default on-board: ideal but for the wheels' slip, with the sensors' errors "
+        "where real filters run)",
     )
     rigid.add_argument("--gains", metavar="SET", help="of the local laws: tuned, first, or a gain file (default tuned)")
     return parser
