@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 _FAR = 300.0
 # Where the default follows from others: what is refused is beyond this [s], [m], [kg].
 _LARGEST_AUTO = {"sample_period": 2.0, "control_period": 2.0, "neighbour_range": 1e3, "mass": 1e3}
-_ANY_SIZE = {"duration"}  # has a range of its own
 _NONE: Mapping[str, Any] = {}
 # Tables of the options that are not top-level keys.
 _TABLES = {"utilisation": "processor", "headings": "start", "implementation": "filter"} | {
@@ -210,13 +209,17 @@ def _check_sizes(tree: Mapping[str, Any], defaults: Mapping[str, Any], prefix: s
         name, default = f"{prefix}{key}", defaults[key]
         if isinstance(value, dict):
             _check_sizes(value, default, f"{name}.")
-        elif isinstance(value, float):
-            usual = _LARGEST_AUTO.get(key, 0.0) if default == "auto" else default
-            most = _FAR * usual if isinstance(usual, float) and default != "auto" else usual
-            if isinstance(most, float) and 0.0 < most < value < math.inf and key not in _ANY_SIZE:
-                raise InputError(
-                    f"{name} = {value:g} given, it must be at most {most:g}, in SI units; is {value / 1e3:g} meant?"
-                )
+        elif isinstance(value, float) and (most := _largest(key, default)) < value < math.inf:
+            raise InputError(
+                f"{name} = {value:g} given, it must be at most {most:g}, in SI units; is {value / 1e3:g} meant?"
+            )
+
+
+def _largest(key: str, default: Any) -> float:
+    """Returns the largest value that is no mistake of its unit; inf where the default tells nothing of the size."""
+    if default == "auto":
+        return _LARGEST_AUTO.get(key, math.inf)
+    return (_FAR * default or math.inf) if isinstance(default, float) else math.inf
 
 
 def _check_perception(setup: Scenario) -> None:
