@@ -37,17 +37,17 @@ test-slow: $(VENV)/.installed
 
 # The gain set that all studies use by default: tuned from the first one, and adopted only where it beats it.
 gains: $(VENV)/.installed
-	$(BIN)/dynabot tune traction --out out/gains
+	$(BIN)/dynabot tune traction --out out/gains --overwrite
 	cp out/gains/gains.toml controllers/gains/tuned.toml
 
 # The pictures of the README and of docs/; takes about half an hour.
 pictures: $(VENV)/.installed graphics
-	$(BIN)/dynabot compare --out out/pictures/compare
-	$(BIN)/dynabot compare --sensitivity --out out/pictures/sensitivity
-	$(BIN)/dynabot tune traction --out out/pictures/tune
-	$(BIN)/dynabot track --out out/pictures/track
-	$(BIN)/dynabot circle --out out/pictures/circle
-	$(BIN)/dynabot compare --perception gauss-markov filter fitted --out out/pictures/perception
+	$(BIN)/dynabot compare --out out/pictures/compare --overwrite
+	$(BIN)/dynabot compare --sensitivity --out out/pictures/sensitivity --overwrite
+	$(BIN)/dynabot tune traction --out out/pictures/tune --overwrite
+	$(BIN)/dynabot track --out out/pictures/track --overwrite
+	$(BIN)/dynabot circle --out out/pictures/circle --overwrite
+	$(BIN)/dynabot compare --perception gauss-markov filter fitted --out out/pictures/perception --overwrite
 	$(BIN)/dynabot video --beside particle --still 34 --out out/pictures/fleet.png
 	mkdir -p docs/images
 	cp out/pictures/fleet.png docs/images/

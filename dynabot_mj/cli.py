@@ -6,6 +6,7 @@ is all that a command prints on standard output; progress goes to standard error
 """
 
 import argparse
+import errno
 import io
 import os
 import signal
@@ -22,6 +23,7 @@ from dynabot_mj.commands import (
     doctor,
     drive,
     estimate,
+    parsers,
     report,
     run,
     schedule,
@@ -69,11 +71,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _take_signals()
         _speak()
         # A notebook that starts us as a command names its own, without which Matplotlib cannot even be imported here.
-        os.environ["MPLBACKEND"] = "agg"
-        options = _parser().parse_args(arguments)
-        for name in ("workers", "threads"):
-            if getattr(options, name, 1) < 1:
-                raise InputError(f"--{name} {getattr(options, name)} given, it must be at least 1")
+        options.figures_asked, os.environ["MPLBACKEND"] = os.environ.get("MPLBACKEND"), "agg"
+        options = _parser().parse_args(arguments, options)
+        _judge_processes(options)
         command: Callable[[argparse.Namespace], None] = options.function
         command(options)
     except InputError as error:
@@ -82,17 +82,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as end:
         number = end.number if isinstance(end, _EndedError) else signal.SIGINT
         how = "interrupted" if number == signal.SIGINT else f"ended by {signal.Signals(number).name}"
-        resumes = hasattr(options, "resume")
-        print(f"dynabot: {how}" + "; --resume continues from what was finished" * resumes, file=sys.stderr)
+        kept = getattr(options, "kept", "")  # of a study
+        print(f"dynabot: {how}" + f"; {kept}, --resume continues from them" * bool(kept), file=sys.stderr)
         return 128 + number
     except BrokenPipeError:
         # Whoever read our output has gone, e.g. `dynabot compare | head`.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except (DynabotError, OSError) as error:
-        print(f"dynabot: {error}", file=sys.stderr)
-        return 1
+        kept = getattr(options, "kept", "")  # of a study
+        print(f"dynabot: {error}" + f"; {kept}" * bool(kept), file=sys.stderr)
+        # A name that the system cannot have is the input's fault.
+        return 2 if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG else 1
     return 0
+
+
+def _judge_processes(options: argparse.Namespace) -> None:
+    for name in ("workers", "threads"):
+        given = getattr(options, name, None)
+        if given is not None and given < 1:
+            raise InputError(f"--{name} {given} given, it must be at least 1")
+    if getattr(options, "workers", 0) is None:
+        options.workers = parsers.cores()
+    elif getattr(options, "scheduler", None) is not None:
+        raise InputError(f"--workers {options.workers} given with --scheduler, whose cluster has its own")
 
 
 class _EndedError(KeyboardInterrupt):

@@ -29,19 +29,22 @@ from dynabot_mj.scenario import (
     method,
     periods,
 )
+from dynabot_mj.validation import UNITS
 
 # Rise per metre up to which rigid robots with real accelerometers keep to their forces; they ran away from 0.053 on.
 _STEEPEST = 0.04
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-# A value is refused beyond so many times its default, which a factor of 1,000 in its unit is.
+# A value is refused beyond so many times its default, and some below that part of it: a factor of 1,000 in its unit is.
 _FAR = 300.0
-# Where the default follows from others: what is refused is beyond this [s], [m], [kg].
-_LARGEST_AUTO = {"sample_period": 2.0, "control_period": 2.0, "neighbour_range": 1e3, "mass": 1e3}
+# In place of defaults that follow from others, or are zero [s], [m], [kg].
+_USUAL = {"sample_period": 2.0 / _FAR, "control_period": 2.0 / _FAR, "neighbour_range": 10.0, "mass": 12.0}
+_USUAL["payload"] = 100.0 / _FAR
+_NEVER_TINY = ("mass", "spacing", "distance", "collision_distance", "neighbour_range")
 _NONE: Mapping[str, Any] = {}
 # Tables of the options that are not top-level keys.
-_TABLES = {"utilisation": "processor", "headings": "start", "implementation": "filter"} | {
+TABLES = {"utilisation": "processor", "headings": "start", "implementation": "filter"} | {
     field.name: "vehicle" for field in fields(VehicleOptions)
 }
 
@@ -62,9 +65,11 @@ def load(text: str, origin: str, defaults: Mapping[str, Any] = _NONE, **options:
     return build({**defaults, **_parsed(text, origin)}, origin, **options)
 
 
-def load_file(path: Path, defaults: Mapping[str, Any] = _NONE, **options: Any) -> Scenario:
-    """Reads a configuration file; see `load`."""
-    return build({**defaults, **read(path)}, str(path), **options)
+def load_file(
+    path: Path, defaults: Mapping[str, Any] = _NONE, typed: Mapping[str, str] = _NONE, **options: Any
+) -> Scenario:
+    """Reads a configuration file; see `load` and `build`."""
+    return build({**defaults, **read(path)}, str(path), typed, **options)
 
 
 def read(path: Path) -> dict[str, Any]:
@@ -81,11 +86,20 @@ def read(path: Path) -> dict[str, Any]:
     return _parsed(text, str(path))
 
 
-def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> Scenario:
-    """Builds a configuration from a tree of plain values and overriding options; see `load`."""
+def build(
+    tree: Mapping[str, Any], origin: str = "options", typed: Mapping[str, str] = _NONE, **options: Any
+) -> Scenario:
+    """Builds a configuration from a tree of plain values and overriding options; see `load`.
+
+    Args:
+        tree: Of top-level keys.
+        origin: Where it comes from, for the messages.
+        typed: What the user typed to set a key with its tables, such as `--duration`.
+        **options: See `load`.
+    """
     merged = dict(tree)
     for key, value in options.items():
-        table = _TABLES.get(key)
+        table = TABLES.get(key)
         if value is None:
             continue
         if table is None:
@@ -101,8 +115,15 @@ def build(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> S
         # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
         setup = TypeAdapter(Scenario).validate_json(json.dumps(merged, default=str))
     except ValidationError as error:
-        raise InputError(f"{origin}: {one_line(error, _keys(asdict(Scenario())))}") from error
-    check(setup)
+        told = one_line(error, _keys(asdict(Scenario())), typed, UNITS)
+        raise InputError(told if told.startswith("--") else f"{origin}: {told}") from error
+    try:
+        check(setup)
+    except InputError as error:
+        for key, option in typed.items():
+            if (told := str(error)).startswith(f"{key} = "):
+                raise type(error)(f"{option} {told.removeprefix(f'{key} = ')}") from error
+        raise
     return setup
 
 
@@ -200,7 +221,7 @@ def _parsed(text: str, origin: str) -> dict[str, Any]:
 
 
 def _check_sizes(tree: Mapping[str, Any], defaults: Mapping[str, Any], prefix: str = "") -> None:
-    """Refuses quantities that are far too large: most are in thousandths of the unit that is meant.
+    """Refuses quantities that are far too large, most in thousandths of the unit that is meant, or far too small.
 
     Raises:
         InputError: With the first of them.
@@ -209,17 +230,19 @@ def _check_sizes(tree: Mapping[str, Any], defaults: Mapping[str, Any], prefix: s
         name, default = f"{prefix}{key}", defaults[key]
         if isinstance(value, dict):
             _check_sizes(value, default, f"{name}.")
-        elif isinstance(value, float) and (most := _largest(key, default)) < value < math.inf:
-            raise InputError(
-                f"{name} = {value:g} given, it must be at most {most:g}, in SI units; is {value / 1e3:g} meant?"
-            )
+        elif isinstance(value, float) and value < math.inf:
+            least, most = _sizes(key, default)
+            if not least <= value <= most:
+                unit = f" {UNITS[key]}" if key in UNITS else ", in SI units"
+                bound, factor = (f"at most {most:g}", 1e-3) if value > most else (f"at least {least:g}", 1e3)
+                raise InputError(f"{name} = {value:g} given, it must be {bound}{unit}; is {factor * value:g} meant?")
 
 
-def _largest(key: str, default: Any) -> float:
-    """Returns the largest value that is no mistake of its unit; inf where the default tells nothing of the size."""
-    if default == "auto":
-        return _LARGEST_AUTO.get(key, math.inf)
-    return (_FAR * default or math.inf) if isinstance(default, float) else math.inf
+def _sizes(key: str, default: Any) -> tuple[float, float]:
+    """Returns the smallest and the largest value that is no mistake of its unit; errors may be as small as you like."""
+    usual = default if isinstance(default, float) and default > 0.0 else _USUAL.get(key, math.inf)
+    least = usual / _FAR if key in _NEVER_TINY and usual < math.inf else -math.inf
+    return least, _FAR * usual
 
 
 def _check_perception(setup: Scenario) -> None:

@@ -60,6 +60,12 @@ def build(name: str, field: PotentialField) -> Law:
     return follow_user
 
 
+def look_in(folder: Path | None) -> None:
+    """Lets functions be found in a folder too, behind the working directory."""
+    if folder is not None and str(folder) not in sys.path:
+        sys.path.append(str(folder))
+
+
 def source(name: str) -> Path | None:
     """Returns the file of a law of the user's; None for the built-in one, and where there is no file.
 

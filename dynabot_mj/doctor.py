@@ -42,6 +42,16 @@ physics = mujoco.Physics.from_xml_string("<mujoco/>")
 physics.step()
 """
 
+_FIGURE = """
+import io
+from matplotlib import pyplot
+from dynabot_mj import figures
+with pyplot.rc_context(figures.STYLE):
+    figure, axes = pyplot.subplots()
+    axes.plot([0.0, 1.0], label="a")
+    figure.savefig(io.BytesIO())
+"""
+
 _ENCODE = """
 import subprocess, imageio_ffmpeg
 encoder = imageio_ffmpeg.get_ffmpeg_exe()
@@ -62,14 +72,16 @@ class Check:
     mend: str | None = None  # what to do where it is not ok
 
 
-def examine(cores: int) -> list[Check]:
+def examine(cores: int, figures_asked: str | None = None) -> list[Check]:
     """Looks at everything.
 
     Args:
         cores: That this process may use.
+        figures_asked: What MPLBACKEND is for other programs.
     """
     backends = [_backend(name) for name in BACKENDS]
-    return [*backends, _graphics(backends), _encoder(), _mujoco(), _dm_control(), _processor(cores), *_extras()]
+    needed = [_graphics(backends), _encoder(), _figures(figures_asked), _mujoco(), _dm_control()]
+    return [*backends, *needed, _processor(cores), *_extras()]
 
 
 def failures(checks: Sequence[Check]) -> list[Check]:
@@ -139,6 +151,16 @@ def _encoder() -> Check:
     )
 
 
+def _figures(asked: str | None) -> Check:
+    """Draws a figure as commands do, which the user's own settings of Matplotlib must not disturb."""
+    done = _run(_FIGURE, MPLBACKEND="agg")
+    found = "a figure drawn" if done.returncode == 0 else _reason(done)
+    if asked and asked != "agg":
+        found += f"; by agg, not by MPLBACKEND={asked}"
+    mend = "pip install --force-reinstall matplotlib"
+    return Check(name="figures", ok=done.returncode == 0, found=found, needed=True, mend=mend)
+
+
 def _mujoco() -> Check:
     version = metadata.version("mujoco")
     ok = (3, 17) <= tuple(int(part) for part in version.split(".")[:2]) < (4, 0)
@@ -174,7 +196,9 @@ def _extras() -> list[Check]:
 
 def _run(code: str, **variables: str) -> subprocess.CompletedProcess[str]:
     """Runs Python code in a process of its own, which a broken driver may take down or hold up."""
-    command, environment = [sys.executable, "-c", code], {**os.environ, **variables}
+    command = [sys.executable, "-c", code]
+    # As commands do, whatever other programs are to bind.
+    environment = {**{name: value for name, value in os.environ.items() if name != "PYOPENGL_PLATFORM"}, **variables}
     try:
         return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=_LONGEST, check=False)
     except subprocess.TimeoutExpired:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from pydantic import ValidationError
 
 
@@ -27,29 +26,46 @@ class OutOfFittedRangeError(InputError):
     """The radio model was asked for a fleet or a message outside the range that it was fitted on."""
 
 
+_NONE: Mapping[str, str] = {}
+_BOUNDS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")  # messages that end with a value
+
+
 def suggestion(given: str, allowed: Iterable[str]) -> str:
     """Returns `; did you mean ...?` where something that is allowed is much like what was given, else nothing."""
     near = difflib.get_close_matches(given, list(allowed), n=1, cutoff=0.6)
     return f"; did you mean {near[0]}?" if near else ""
 
 
-def one_line(error: ValidationError, allowed: Iterable[str] = ()) -> str:
+def one_line(
+    error: ValidationError,
+    allowed: Iterable[str] = (),
+    typed: Mapping[str, str] = _NONE,
+    units: Mapping[str, str] = _NONE,
+) -> str:
     """Returns pydantic's findings as `key = value: what is allowed`, joined.
 
     Args:
         error: Pydantic's.
         allowed: The keys that there are, with those of their tables: `radio.message_bytes`.
+        typed: What the user typed in place of a key, such as `--duration`.
+        units: Of values, by the key without its tables.
     """
     lines: dict[str, str] = {}
-    for found in error.errors(include_url=False):
+    # Of the branches of a union, the one that fits best is complained of deepest inside.
+    for found in sorted(error.errors(include_url=False), key=lambda found: -len(found["loc"])):
         # Behind the field's own name, a union names its branch (such as "constrained-float") and a tuple its index.
         key = ".".join(part for part in found["loc"] if isinstance(part, str) and part.isidentifier())
         if found["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
             lines[key] = f"unknown key {key or repr(found['loc'][-1])}{suggestion(key, allowed)}"
         else:
             # What a union or a tuple adds behind its first finding is about our types, not about the input.
-            told = f"{key} = {found['input']!r}: {found['msg'][0].lower()}{found['msg'][1:]}"
             given, most = found["input"], found.get("ctx", {}).get("le")
+            is_number = isinstance(given, int | float) and not isinstance(given, bool)
+            value, unit = (f"{given:g}" if is_number else repr(given)), units.get(key.rpartition(".")[2], "")
+            told = f"{typed[key]} {value}" if key in typed else f"{key} = {value}"
+            told += f": {found['msg'][0].lower()}{found['msg'][1:]}"
+            if unit and found["type"] in _BOUNDS:
+                told += f" {unit}"
             if most == 1.0 and isinstance(given, int | float) and 1.0 < given <= 100.0:
                 told += f"; a fraction is meant: {given / 100.0:g}?"
             lines.setdefault(key, told)

@@ -12,9 +12,11 @@ import importlib.metadata
 import os
 import pickle
 import platform
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from dynabot_mj import __version__, configuration, files, opengl, processes, scenario
 from dynabot_mj.errors import InputError
@@ -104,6 +106,7 @@ def execute(setup: Scenario, how: Execution, progress: Progress) -> dict[Case, l
     outcomes: dict[int, Outcome] = {}
     if how.chunks is not None:
         how.chunks.mkdir(parents=True, exist_ok=True)
+        files.sweep(how.chunks)
         kept = {file.name for file in how.chunks.iterdir()}
         if how.resume and kept and not kept & {chunk.name for chunk in chunks}:
             raise InputError(f"{how.chunks} holds parts of another study (or of another version); run without --resume")
@@ -132,6 +135,24 @@ def forget(setup: Scenario, folder: Path) -> None:
         folder.rmdir()
 
 
+def kept(setup: Scenario, folder: Path) -> tuple[int, int]:
+    """Returns how many finished chunks of a study a folder keeps, and how many the study has."""
+    chunks = list(_chunks(setup, threads=1))
+    present = {file.name for file in folder.iterdir()} if folder.is_dir() else set()
+    return sum(chunk.name in present for chunk in chunks) if present else 0, len(chunks)
+
+
+def depends_on(setup: Scenario) -> dict[str, Any]:
+    """Returns what the result of a study depends on, as plain values: where all of it is equal, the bytes are."""
+    return {
+        **tomllib.loads(configuration.dump(setup)),
+        "inputs": scenario.inputs(setup),
+        "versions": versions(),
+        "code": _source_digest()[:8],
+    }
+
+
+@functools.cache
 def versions() -> str:
     """Returns the versions that a result depends on, as one line."""
     libraries = (f"{name} {importlib.metadata.version(name)}" for name in _LIBRARIES)

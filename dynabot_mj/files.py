@@ -1,7 +1,9 @@
 """Writing results: whole or not at all, and refusing early where it is not possible."""
 
 import contextlib
+import hashlib
 import os
+import secrets
 import shutil
 import signal
 import tempfile
@@ -11,9 +13,9 @@ from pathlib import Path
 
 from dynabot_mj.errors import InputError
 
+PARTIAL = ".partial-"  # start of the names of what is not complete yet
 # Signals by which a user, a batch system or a closed terminal ends us.
 ENDING = {getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)}
-_LIST = ".results"  # names of the files of the latest results in a folder
 
 
 def require_writable(folder: Path) -> None:
@@ -27,13 +29,18 @@ def require_writable(folder: Path) -> None:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        reason = "it is not a folder" if folder.is_file() else error.strerror
+        reason = error.strerror
+        with contextlib.suppress(OSError):  # a name too long for the system cannot even be asked for
+            if folder.is_symlink() and not folder.exists():
+                reason = f"it is a link to {os.readlink(folder)}, which is not there"
+            elif folder.exists() and not folder.is_dir():
+                reason = "it is not a folder"
         raise InputError(f"cannot write to the folder {folder}: {reason}") from error
 
 
 def write(path: Path, content: bytes) -> None:
     """Writes a file beside its place and renames it into place."""
-    partial = path.with_name(f".{path.name}.partial")
+    partial = path.with_name(f"{PARTIAL}{os.getpid()}-{secrets.token_hex(4)}")
     try:
         partial.write_bytes(content)
         os.replace(partial, path)
@@ -65,23 +72,15 @@ def uninterrupted() -> Iterator[None]:
         signal.raise_signal(came[0])
 
 
-@contextlib.contextmanager
-def staged(folder: Path) -> Iterator[Path]:
-    """Yields a folder to write results into; they replace those in `folder` only when all of them are complete.
+def sweep(folder: Path) -> None:
+    """Deletes what commands that were killed left incomplete in a folder, which must be this process's alone."""
+    for left in folder.glob(f"{PARTIAL}*"):
+        if left.is_dir():
+            shutil.rmtree(left, ignore_errors=True)
+        else:
+            left.unlink(missing_ok=True)
 
-    A list of what was written stays beside the results, so that the next ones replace all of them and nothing else.
-    """
-    stage = Path(tempfile.mkdtemp(prefix=".partial-", dir=folder))
-    try:
-        yield stage
-        written = sorted(file.name for file in stage.iterdir())
-        (stage / _LIST).write_text("\n".join(written) + "\n", encoding="utf-8")
-        with uninterrupted():
-            if (folder / _LIST).is_file():
-                earlier = (folder / _LIST).read_text(encoding="utf-8").split("\n")
-                for name in {Path(name).name for name in earlier if name} - set(written):
-                    (folder / name).unlink(missing_ok=True)
-            for name in [*written, _LIST]:
-                os.replace(stage / name, folder / name)
-    finally:
-        shutil.rmtree(stage, ignore_errors=True)
+
+def short(name: str) -> str:
+    """Returns a short name for a file name, for what stands beside it: the system limits how long names are."""
+    return hashlib.sha256(name.encode(errors="surrogateescape")).hexdigest()[:8]

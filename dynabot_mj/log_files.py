@@ -42,7 +42,7 @@ def write(path: Path, columns: Mapping[str, Array]) -> None:
     """
     _require_extension(path)
     check(columns, path, _sample)
-    files.write(path, _csv(columns) if path.suffix == ".csv" else _netcdf(columns))
+    files.write(path, _csv(columns) if path.suffix.lower() == ".csv" else _netcdf(columns))
 
 
 def read(path: Path) -> dict[str, Array]:
@@ -56,7 +56,7 @@ def read(path: Path) -> dict[str, Array]:
             them (of NetCDF the sample, counted from 0) and the column.
     """
     _require_extension(path)
-    columns, place = _read_csv(path) if path.suffix == ".csv" else _read_netcdf(path)
+    columns, place = _read_csv(path) if path.suffix.lower() == ".csv" else _read_netcdf(path)
     check(columns, path, place)
     return columns
 
@@ -156,5 +156,5 @@ def _sample(index: int) -> str:
 
 
 def _require_extension(path: Path) -> None:
-    if path.suffix not in (".csv", ".nc"):
+    if path.suffix.lower() not in (".csv", ".nc"):
         raise InputError(f"{path}: unknown extension {path.suffix!r} of a log, allowed are .csv and .nc")

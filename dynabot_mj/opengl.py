@@ -10,6 +10,7 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator
+from typing import Any
 
 from dynabot_mj.errors import DynabotError
 
@@ -21,6 +22,7 @@ MEND = {
 }
 
 _VARIABLE = "MUJOCO_GL"
+_BINDINGS = "PYOPENGL_PLATFORM"
 _LIBRARIES = {"egl": ("libEGL.so.1", "libEGL.so.0"), "osmesa": ("libOSMesa.so.8", "libOSMesa.so.6")}
 _ELSEWHERE = {"darwin": "cgl", "win32": "glfw"}  # than on Linux: what MuJoCo has there
 
@@ -58,12 +60,8 @@ def has_display() -> bool:
 @contextlib.contextmanager
 def unasked() -> Iterator[None]:
     """Hides MUJOCO_GL from MuJoCo's import, which fails where it names what is not there: only pictures need it."""
-    asked = os.environ.pop(_VARIABLE, None)
-    try:
+    with _hidden(_VARIABLE):
         yield
-    finally:
-        if asked is not None:
-            os.environ[_VARIABLE] = asked
 
 
 @contextlib.contextmanager
@@ -74,13 +72,14 @@ def for_dm_control() -> Iterator[None]:
     there is none, dm_control's complaint about the missing display is not heard: nobody has asked for a picture yet.
     """
     if sys.platform != "linux" or _VARIABLE in os.environ or has_display():
-        yield
+        with _hidden(_BINDINGS):
+            yield
         return
     with contextlib.suppress(Exception):  # a broken driver raises anything; then there is nothing to set
         name = backend()
-        importlib.import_module(f"mujoco.{name}")  # a library that cannot be bound must not be named
+        _bound(name)  # a library that cannot be bound must not be named
         os.environ[_VARIABLE] = name
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), _hidden(_BINDINGS):
         warnings.simplefilter("ignore")
         yield
 
@@ -100,7 +99,7 @@ def context(width: int, height: int) -> Iterator[None]:
     try:
         with warnings.catch_warnings(record=True) as complaints:
             warnings.simplefilter("always")
-            opened = importlib.import_module(f"mujoco.{name}").GLContext(width, height)
+            opened = _bound(name).GLContext(width, height)
             opened.make_current()
         # GLFW's failures are warnings, and its context is one of nothing then.
         if failures := [one for one in complaints if one.category.__name__ == "GLFWError"]:
@@ -125,6 +124,22 @@ def require() -> None:
     """
     with context(64, 64):
         pass
+
+
+def _bound(name: str) -> Any:
+    """Returns MuJoCo's module of a back end, whichever one PYOPENGL_PLATFORM names for other programs."""
+    with _hidden(_BINDINGS):
+        return importlib.import_module(f"mujoco.{name}")
+
+
+@contextlib.contextmanager
+def _hidden(variable: str) -> Iterator[None]:
+    asked = os.environ.pop(variable, None)
+    try:
+        yield
+    finally:
+        if asked is not None:
+            os.environ[variable] = asked
 
 
 def _loads(library: str) -> bool:

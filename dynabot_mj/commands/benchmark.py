@@ -28,11 +28,12 @@ def benchmark(options: argparse.Namespace) -> None:
             setattr(options, name, default)
         if getattr(options, name) < 1:
             raise InputError(f"--{name} {getattr(options, name)} given, it must be at least 1")
-    folder = results.open_folder(options, "benchmark")
-    with progress.shown("benchmark") as tell:
-        document, text = _MEASURES[options.subject](options.robots, options.repetitions, tell)
-    with results.report(options, folder, "benchmark", document, text):
-        pass  # there are no figures
+    depends_on = {name: getattr(options, name) for name in ("subject", "robots", "repetitions")}
+    with results.opened(options, "benchmark", depends_on, ("benchmark.json", "benchmark.md")) as folder:
+        with progress.shown("benchmark") as tell:
+            document, text = _MEASURES[options.subject](options.robots, options.repetitions, tell)
+        with results.report(options, folder, "benchmark", document, text):
+            pass  # there are no figures
 
 
 def _filters(robots: int, repetitions: int, tell: Callable[[float], None]) -> tuple[Any, str]:

@@ -1,11 +1,13 @@
 """`dynabot circle`."""
 
 import argparse
+from dataclasses import asdict
 from pathlib import Path
 
 from dynabot_mj.commands import parsers, results
 from dynabot_mj.errors import InputError
 
+_FILES = ("circle.json", "circle.md", "circle.toml", "fig_3.png", "errors.png")
 _CHECKS = ("grouping", "consistency", "faults")
 
 
@@ -54,18 +56,18 @@ def circle(options: argparse.Namespace) -> None:
     )
     if options.log:
         log_files.require_writable(options.log)
-    folder = results.open_folder(options, "circle")
-    with progress.shown("circle") as tell:
-        outcome = experiment.run(request, tell)
-    document, text = circle_report.document(outcome), circle_report.markdown(outcome)
-    note = f"; the first run's samples are {options.log}" if options.log else ""
-    with results.report(options, folder, "circle", document, text, note) as stage:
-        (stage / "circle.toml").write_text(experiment.dump(request), encoding="utf-8")
-        save(estimation_figures.paths(outcome), stage / "fig_3.png")
-        save(estimation_figures.errors(outcome), stage / "errors.png")
-        if options.log:
-            first = outcome.example
-            logs.write(options.log, logs.from_run(first.samples, first.truth, 0, request.sensors.wheels))
+    with results.opened(options, "circle", asdict(request), _FILES) as folder:
+        with progress.shown("circle") as tell:
+            outcome = experiment.run(request, tell)
+        document, text = circle_report.document(outcome), circle_report.markdown(outcome)
+        note = f"; the first run's samples are {options.log}" if options.log else ""
+        with results.report(options, folder, "circle", document, text, note) as stage:
+            (stage / "circle.toml").write_text(experiment.dump(request), encoding="utf-8")
+            save(estimation_figures.paths(outcome), stage / "fig_3.png")
+            save(estimation_figures.errors(outcome), stage / "errors.png")
+            if options.log:
+                first = outcome.example
+                logs.write(options.log, logs.from_run(first.samples, first.truth, 0, request.sensors.wheels))
 
 
 def _check(options: argparse.Namespace, name: str) -> None:
@@ -79,12 +81,13 @@ def _check(options: argparse.Namespace, name: str) -> None:
         raise InputError(f"--runs {options.runs} given with --{name}, it must be at least 2")
     seed = options.seed or 0
     parsers.require_seed(seed)
-    folder = results.open_folder(options, f"circle/{name}")
     experiment, report = {
         "grouping": (grouping, grouping),
         "consistency": (consistency, consistency_report),
         "faults": (faults, faults_report),
     }[name]
-    found = experiment.run(seed, **({} if options.runs is None else {"runs": options.runs}))
-    with results.report(options, folder, name, report.document(found), report.markdown(found)):
-        pass
+    size = {} if options.runs is None else {"runs": options.runs}
+    with results.opened(options, f"circle/{name}", {"seed": seed, **size}, (f"{name}.json", f"{name}.md")) as folder:
+        found = experiment.run(seed, **size)
+        with results.report(options, folder, name, report.document(found), report.markdown(found)):
+            pass

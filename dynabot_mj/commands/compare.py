@@ -2,10 +2,21 @@
 
 import argparse
 import shutil
+from pathlib import Path
 from typing import Any
 
 from dynabot_mj.commands import parsers, results, studies
 
+_FILES = (
+    "table.md",
+    "compare.json",
+    "fitted.toml",
+    "errors.png",
+    "table_iii.png",
+    "outcomes.png",
+    "incidence.png",
+    "trajectories_*.png",
+)
 _READINGS = ".readings"  # folder of the finished parts of a sensitivity study, until it is complete
 
 
@@ -13,7 +24,7 @@ def add(commands: parsers.Commands) -> None:
     """Registers the command."""
     from dynabot_mj.scenario import ESTIMATORS, PERCEPTIONS, PLANTS
 
-    command = parsers.command(commands, compare, parsers.study())
+    command = parsers.command(commands, compare, parsers.study(), parsers.execution())
     command.add_argument("--trials", type=int, help="trials of each case (default 100)")
     command.add_argument("--plants", nargs="+", choices=PLANTS)
     command.add_argument("--estimators", nargs="+", choices=ESTIMATORS)
@@ -36,34 +47,42 @@ def compare(options: argparse.Namespace) -> None:
     if options.sensitivity:
         _sensitivity(options)
         return
-    from dynabot_mj import figures, study_figures
     from dynabot_mj.experiments import compare as experiment
     from dynabot_mj.experiments import compare_tables, in_loop
 
     setup = _setup(options)
-    folder = results.open_folder(options, "compare")
-    study, wall_s = studies.run(setup, folder, options, "compare")
-    comparison = experiment.compared(study)
-    table, document = compare_tables.markdown(comparison), experiment.document(comparison)
-    studies.note_late(comparison)
-    with studies.staged(folder, setup, study, options, wall_s) as stage:
-        (stage / "table.md").write_text(table, encoding="utf-8")
-        (stage / "compare.json").write_text(results.dump(document), encoding="utf-8")
-        if (fitted := in_loop.fitted_toml(study)) is not None:
-            (stage / "fitted.toml").write_text(fitted, encoding="utf-8")
-        if (errors := figures.errors(study)) is not None:
-            figures.save(errors, stage / "errors.png")
-        figures.save(figures.table_iii(comparison), stage / "table_iii.png")
-        figures.save(figures.outcomes(comparison), stage / "outcomes.png")
-        if (incidence := study_figures.incidence(study)) is not None:
-            figures.save(incidence, stage / "incidence.png")
-        shown = list(dict.fromkeys(zip(study.estimator.values, study.perception.values, strict=True)))
-        for estimator, perception in shown:
-            several = sum(name == estimator for name, _ in shown) > 1
-            name = f"trajectories_{estimator}_{perception}" if several else f"trajectories_{estimator}"
-            figures.save(figures.trajectories(study, estimator, perception), stage / f"{name}.png")
-    text = f"{table}\n{wall_s:.0f} s; results in {folder}"
-    results.show(options, {**document, "wall_s": round(wall_s, 3)}, text)
+    with studies.opened(options, "compare", setup, _FILES) as folder:
+        if studies.again(options, folder, "compare.json", "table.md"):
+            return
+        study, wall_s = studies.obtain(setup, folder, options, "compare")
+        comparison = experiment.compared(study)
+        table, document = compare_tables.markdown(comparison), experiment.document(comparison)
+        studies.note_late(comparison)
+        with studies.staged(folder, setup, study, options, wall_s) as stage:
+            (stage / "table.md").write_text(table, encoding="utf-8")
+            (stage / "compare.json").write_text(results.dump(document), encoding="utf-8")
+            if (fitted := in_loop.fitted_toml(study)) is not None:
+                (stage / "fitted.toml").write_text(fitted, encoding="utf-8")
+            _draw(comparison, stage)
+    studies.show(options, folder, document, table, wall_s)
+
+
+def _draw(comparison: Any, stage: Path) -> None:
+    """Draws the figures of a comparison."""
+    from dynabot_mj import figures, study_figures
+
+    study = comparison.study
+    if (errors := figures.errors(study)) is not None:
+        figures.save(errors, stage / "errors.png")
+    figures.save(figures.table_iii(comparison), stage / "table_iii.png")
+    figures.save(figures.outcomes(comparison), stage / "outcomes.png")
+    if (incidence := study_figures.incidence(study)) is not None:
+        figures.save(incidence, stage / "incidence.png")
+    shown = list(dict.fromkeys(zip(study.estimator.values, study.perception.values, strict=True)))
+    for estimator, perception in shown:
+        several = sum(name == estimator for name, _ in shown) > 1
+        name = f"trajectories_{estimator}_{perception}" if several else f"trajectories_{estimator}"
+        figures.save(figures.trajectories(study, estimator, perception), stage / f"{name}.png")
 
 
 def _setup(options: argparse.Namespace) -> Any:
@@ -76,18 +95,28 @@ def _sensitivity(options: argparse.Namespace) -> None:
     from dynabot_mj.experiments import sensitivity
 
     setup = sensitivity.prepared(_setup(options))
-    folder = results.open_folder(options, "sensitivity")
 
-    parts = folder / _READINGS
+    def place(folder: Path, name: str) -> Path:
+        return folder / _READINGS / name.replace(" ", "-")
 
-    def run(name: str, changed: Any) -> Any:
-        place = parts / name.replace(" ", "-")
-        place.mkdir(parents=True, exist_ok=True)
-        return studies.run(changed, place, options, name, notes=changed is setup)[0]
+    def kept(folder: Path) -> str:
+        return studies.told_kept([(one.changed(setup), place(folder, one.name)) for one in sensitivity.readings(setup)])
 
-    found = sensitivity.examine(setup, run)
-    document, text = sensitivity.document(found), sensitivity.markdown(found)
-    with results.report(options, folder, "sensitivity", document, text) as stage:
-        (stage / "study.toml").write_text(configuration.dump(setup), encoding="utf-8")
-        figures.save(sensitivity_figure.sensitivity(found), stage / "sensitivity.png")
-    shutil.rmtree(parts)
+    names = tuple(f"sensitivity.{suffix}" for suffix in ("json", "md", "png"))
+    with studies.opened(options, "sensitivity", setup, names, kept) as folder:
+        if options.resume and folder.whole:
+            results.again(options, folder, "sensitivity")
+            return
+
+        def run(name: str, changed: Any) -> Any:
+            parts = place(folder.path, name)
+            parts.mkdir(parents=True, exist_ok=True)
+            return studies.run(changed, parts, options, name, notes=changed is setup)[0]
+
+        with studies.telling_kept(options, lambda: kept(folder.path)):
+            found = sensitivity.examine(setup, run)
+        document, text = sensitivity.document(found), sensitivity.markdown(found)
+        with results.report(options, folder, "sensitivity", document, text) as stage:
+            (stage / "study.toml").write_text(configuration.dump(setup), encoding="utf-8")
+            figures.save(sensitivity_figure.sensitivity(found), stage / "sensitivity.png")
+        shutil.rmtree(folder.path / _READINGS)

@@ -15,7 +15,7 @@ def doctor(options: argparse.Namespace) -> None:
     """What works on this machine: OpenGL, video encoder, versions; and how to mend what does not."""
     from dynabot_mj import doctor as examination
 
-    checks = examination.examine(parsers.cores())
+    checks = examination.examine(parsers.cores(), options.figures_asked)
     results.show(options, examination.document(checks), examination.text(checks))
     failures = examination.failures(checks)
     if failures:

@@ -1,6 +1,7 @@
 """`dynabot drive`."""
 
 import argparse
+from dataclasses import asdict
 
 from dynabot_mj.commands import parsers, results
 
@@ -19,12 +20,13 @@ def drive(options: argparse.Namespace) -> None:
     from dynabot_mj.figures import save
 
     conditions = parsers.conditions(options)
-    folder = results.open_folder(options, "drive")
-    report = experiment.drive(conditions)
-    document, text = drive_report.document(report), drive_report.markdown(report)
-    if options.step_sizes:
-        found = drive_report.step_sizes(conditions)
-        document["step_sizes"] = drive_report.step_document(found)
-        text += f"\n{drive_report.step_table(found)}"
-    with results.report(options, folder, "drive", document, text) as stage:
-        save(vehicle_figures.acceptance_drive(report), stage / "drive.png")
+    depends_on = {**asdict(conditions), "step_sizes": options.step_sizes}
+    with results.opened(options, "drive", depends_on, ("drive.json", "drive.md", "drive.png")) as folder:
+        report = experiment.drive(conditions)
+        document, text = drive_report.document(report), drive_report.markdown(report)
+        if options.step_sizes:
+            found = drive_report.step_sizes(conditions)
+            document["step_sizes"] = drive_report.step_document(found)
+            text += f"\n{drive_report.step_table(found)}"
+        with results.report(options, folder, "drive", document, text) as stage:
+            save(vehicle_figures.acceptance_drive(report), stage / "drive.png")

@@ -1,6 +1,8 @@
 """`dynabot estimate`."""
 
 import argparse
+import hashlib
+from dataclasses import asdict
 from pathlib import Path
 
 from dynabot_mj.commands import parsers, results
@@ -25,6 +27,7 @@ def add(commands: parsers.Commands) -> None:
 def estimate(options: argparse.Namespace) -> None:
     """Runs estimators over a recorded log of sensor samples."""
     from dynabot_mj import configuration, logs, progress, replay_figures
+    from dynabot_mj.estimation.build import NAMES
     from dynabot_mj.experiments import circle
     from dynabot_mj.experiments import estimate as experiment
     from dynabot_mj.figures import save
@@ -32,11 +35,18 @@ def estimate(options: argparse.Namespace) -> None:
     tree = configuration.read(options.config) if options.config else {}
     parameters = circle.request(tree, str(options.config)).filter
     log = logs.read(options.log)
-    folder = results.open_folder(options, "estimate")
-    with progress.shown("estimate") as tell:
-        found = experiment.run(options.log.name, log, options.estimators, options.filters, parameters, tell)
-    document, text = experiment.document(found), experiment.markdown(found)
-    with results.report(options, folder, "estimate", document, text) as stage:
-        for name, track in found.tracks.items():
-            (stage / f"track_{name}.csv").write_text(experiment.track_csv(track), encoding="utf-8")
-        save(replay_figures.replay(found), stage / "estimate.png")
+    depends_on = {
+        "log": {"name": options.log.name, "digest": hashlib.sha256(options.log.read_bytes()).hexdigest()[:16]},
+        "estimators": list(options.estimators),
+        "filters": options.filters,
+        "filter": asdict(parameters),
+    }
+    names = ("estimate.json", "estimate.md", "estimate.png", *(f"track_{name}.csv" for name in NAMES))
+    with results.opened(options, "estimate", depends_on, names) as folder:
+        with progress.shown("estimate") as tell:
+            found = experiment.run(options.log.name, log, options.estimators, options.filters, parameters, tell)
+        document, text = experiment.document(found), experiment.markdown(found)
+        with results.report(options, folder, "estimate", document, text) as stage:
+            for name, track in found.tracks.items():
+                (stage / f"track_{name}.csv").write_text(experiment.track_csv(track), encoding="utf-8")
+            save(replay_figures.replay(found), stage / "estimate.png")

@@ -79,9 +79,15 @@ def science() -> argparse.ArgumentParser:
 
 
 def study() -> argparse.ArgumentParser:
-    """Returns the options of a study: those of `shared` and `science`, and how it is executed."""
+    """Returns the options of a study: those of `shared` and `science`, and where its results go."""
     parser = argparse.ArgumentParser(add_help=False, parents=[shared(), science()])
     add_out(parser)
+    return parser
+
+
+def execution() -> argparse.ArgumentParser:
+    """Returns how a study of several parts is executed."""
+    parser = argparse.ArgumentParser(add_help=False)
     add_workers(parser)
     parser.add_argument("--threads", type=int, default=1, help="of MuJoCo in each process (default 1)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that works in place of the processes")
@@ -100,13 +106,14 @@ def vehicle() -> argparse.ArgumentParser:
 
 
 def add_out(parser: argparse.ArgumentParser, default: str = "out/COMMAND") -> None:
-    """Adds the option that `results.open_folder` reads."""
+    """Adds the options that `results.opened` reads."""
     parser.add_argument("--out", type=_folder, metavar="DIR", help=f"folder of the results (default {default})")
+    parser.add_argument("--overwrite", action="store_true", help="replace other results in the folder that --out gives")
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:
-    """Adds the number of processes; that it is positive is judged for all commands at once."""
-    parser.add_argument("--workers", type=int, default=cores(), help="processes (default: all cores)")
+    """Adds the number of processes, None where it is not given; `cli` judges it for all commands at once."""
+    parser.add_argument("--workers", type=int, help="processes (default: all cores)")
 
 
 def conditions(options: argparse.Namespace) -> Any:

@@ -9,8 +9,6 @@ from typing import Any
 from dynabot_mj.commands import parsers, results, trials
 from dynabot_mj.errors import InputError
 
-_TABLES = "tables"  # folder beside the page
-
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
@@ -20,45 +18,52 @@ def add(commands: parsers.Commands) -> None:
         "--out",
         type=Path,
         metavar="FILE.html",
-        help="the page (default DIR/report.html); its tables go beside it, into the folder tables",
+        help="the page (default DIR/report.html); its tables go beside it, into the folder tables, those of a page "
+        "FILE.html into FILE_tables",
     )
 
 
 def report(options: argparse.Namespace) -> None:
     """A study as one page of HTML that needs no network, with its tables as CSV."""
-    from dynabot_mj import files, progress
+    from dynabot_mj import files, progress, result_folder
     from dynabot_mj import study as studies
 
     study, path = trials.saved_study(options.folder)
     if missing := studies.missing(study):
         raise InputError(f"the study {path} has no {missing[0]}, which a report needs; run it again")
     page: Path = options.out or path.parent / "report.html"
-    if page.suffix != ".html" or page.is_dir():
+    if page.suffix.lower() != ".html" or page.is_dir():
         raise InputError(f"--out {page} given, it must be a file whose name ends with .html")
     execution = _execution(path.with_name("execution.json"))
     changed = _changed(study)
-    files.require_writable(page.parent)
-    files.require_writable(page.parent / _TABLES)
+    folder = page.parent
+    tables = "tables" if options.out is None else f"{page.stem}_tables"
+    files.require_writable(folder)
+    with result_folder.locked(folder):
+        result_folder.require_ours(folder, f"{tables}/*.csv")
+        files.require_writable(folder / tables)
 
-    from dynabot_mj.report import contents, material
+        from dynabot_mj.report import contents, material
 
-    start = time.monotonic()
-    with progress.shown("report") as tell:
-        gathered = material.gather(study, execution, changed, tell)
-        made = contents.build(gathered)
-    content = made.html.encode()
-    for name, text in made.tables.items():
-        files.write(page.parent / _TABLES / name, text.encode())
-    files.write(page, content)
+        start = time.monotonic()
+        with progress.shown("report") as tell:
+            gathered = material.gather(study, execution, changed, tell)
+            made = contents.build(gathered)
+        content = made.html.encode()
+        with files.uninterrupted():
+            for name, text in made.tables.items():
+                files.write(folder / tables / name, text.encode())
+            files.write(page, content)
+            result_folder.attach(folder, [page.name, *(f"{tables}/{name}" for name in made.tables)])
     document = {
         "page": str(page),
         "bytes": len(content),
-        "tables": [str(page.parent / _TABLES / name) for name in made.tables],
+        "tables": [str(folder / tables / name) for name in made.tables],
         "film": gathered.clip is not None,
         "wall_s": round(time.monotonic() - start, 3),
     }
     film = "" if gathered.clip else f"; {gathered.clip_note[0].lower()}{gathered.clip_note[1:]}"
-    text = f"{page}: {len(content) / 1e6:.1f} MB in {document['wall_s']:.0f} s; tables in {page.parent / _TABLES}{film}"
+    text = f"{page}: {len(content) / 1e6:.1f} MB in {document['wall_s']:.0f} s; tables in {folder / tables}{film}"
     results.show(options, document, text)
 
 

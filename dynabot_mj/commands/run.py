@@ -5,10 +5,13 @@ from dataclasses import asdict
 
 from dynabot_mj.commands import parsers, results, studies, trials
 
+_FILES = ("run.json", "run.md", "trajectories.png")
+
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    parsers.command(commands, run, parsers.study(), trials.parser())
+    command = parsers.command(commands, run, parsers.study(), trials.parser())
+    command.set_defaults(workers=1, threads=1, scheduler=None, resume=False)  # it has a single part
 
 
 def run(options: argparse.Namespace) -> None:
@@ -19,16 +22,17 @@ def run(options: argparse.Namespace) -> None:
     from dynabot_mj.experiments import case_rows, single_trial
 
     setup = trials.chosen(options)
-    folder = results.open_folder(options, "run")
-    study, wall_s = studies.run(setup, folder, options, "run")
-    case = study.isel(case=0)
-    row = asdict(case_rows.row(case))
-    places = case.final_position_w.isel(trial=0).values
-    row["final_position_m"] = [[float(x) if np.isfinite(x) else None for x in place] for place in places]
-    with studies.staged(folder, setup, study, options, wall_s) as stage:
-        figures.save(
-            figures.trajectories(study, setup.estimators[0], str(case.perception.item())), stage / "trajectories.png"
-        )
-    shown = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places)
-    text = single_trial.markdown(case) + f"\nfinal positions [m]: {shown}\n{wall_s:.1f} s; results in {folder}"
-    results.show(options, row, text)
+    with studies.opened(options, "run", setup, _FILES) as folder:
+        study, wall_s = studies.run(setup, folder.path, options, "run")
+        case = study.isel(case=0)
+        row = asdict(case_rows.row(case))
+        places = case.final_position_w.isel(trial=0).values
+        row["final_position_m"] = [[float(x) if np.isfinite(x) else None for x in place] for place in places]
+        shown = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places)
+        text = single_trial.markdown(case) + f"\nfinal positions [m]: {shown}"
+        figure = figures.trajectories(study, setup.estimators[0], str(case.perception.item()))
+        with studies.staged(folder, setup, study, options, wall_s) as stage:
+            (stage / "run.json").write_text(results.dump(row), encoding="utf-8")
+            (stage / "run.md").write_text(text, encoding="utf-8")
+            figures.save(figure, stage / "trajectories.png")
+    results.show(options, row, f"{text}\n{wall_s:.1f} s; results in {folder.path}")

@@ -2,15 +2,17 @@
 
 import argparse
 import contextlib
+import json
 import shlex
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from dynabot_mj import files
 from dynabot_mj.commands import parsers, results
+from dynabot_mj.errors import InputError
+from dynabot_mj.result_folder import ResultFolder
 
 _VEHICLE = ("model", "friction", "slope", "payload", "steering", "sensing", "gains")
 SCIENCE = (
@@ -26,16 +28,114 @@ SCIENCE = (
 )  # they override the TOML
 _NONE: Mapping[str, Any] = {}
 _CHUNKS = ".chunks"  # finished parts of a study, until it is complete
+_STUDY, _EXECUTION = "study.nc", "execution.json"
+_OPTIONS = {"implementation": "filters", "first_trial": "trial"}  # that are called otherwise than their keys
+_FILES = (_STUDY, "study.toml", _EXECUTION)  # of every study
 
 
 def build(options: argparse.Namespace, defaults: Mapping[str, Any] = _NONE, **others: Any) -> Any:
-    """Builds the configuration: defaults, then the file, then the options."""
+    """Builds the configuration: defaults, then the file, then the options.
+
+    Raises:
+        InputError: If it contradicts itself, or an option does nothing in this study.
+    """
     from dynabot_mj import configuration
 
     given = {**{name: getattr(options, name, None) for name in SCIENCE}, **others}
+    tables = configuration.TABLES
+    typed = {
+        f"{tables[name]}.{name}" if name in tables else name: f"--{_OPTIONS.get(name, name)}"
+        for name, value in given.items()
+        if value is not None
+    }
     if options.config:
-        return configuration.load_file(options.config, defaults, **given)
-    return configuration.build(defaults, **given)
+        setup = configuration.load_file(options.config, defaults, typed, **given)
+    else:
+        setup = configuration.build(defaults, typed=typed, **given)
+    _look_for_idle(options, setup, typed)
+    return setup
+
+
+def _look_for_idle(options: argparse.Namespace, setup: Any, typed: Mapping[str, str]) -> None:
+    """Refuses options that do nothing in a study, and says which keys of its file do nothing."""
+    from dynabot_mj import idle_keys
+
+    idle = idle_keys.idle(setup)
+    for key, option in typed.items():
+        if why := idle.get(key) or idle.get(key.rpartition(".")[0]):
+            raise InputError(f"{option} given, but {why}")
+    if getattr(options, "threads", 1) > 1 and "rigid" not in setup.plants:
+        raise InputError(f"--threads {options.threads} given, but they are MuJoCo's, and the study has no rigid robots")
+    for why in dict.fromkeys((changed := idle_keys.changed(setup)).values()):
+        keys = ", ".join(key for key, reason in changed.items() if reason == why)
+        print(f"note: {keys} in {options.config}: no effect, since {why}", file=sys.stderr)
+    if "rigid" not in setup.plants and {"vehicle.model", "vehicle.payload"} & set(typed):
+        print("note: of the vehicle point masses take the mass and the footprint", file=sys.stderr)
+
+
+@contextlib.contextmanager
+def opened(
+    options: argparse.Namespace, name: str, setup: Any, names: Sequence[str], kept: Callable[[Path], str] | None = None
+) -> Iterator[ResultFolder]:
+    """Opens the folder of a study's results, and says what `--resume` finds there; see `results.opened`.
+
+    Args:
+        options: The command's.
+        name: Of the command.
+        setup: The study's configuration.
+        names: Patterns of the files that will be written beside those of every study.
+        kept: Says which parts a folder keeps, where the study has parts of its own.
+    """
+    from dynabot_mj import execution
+
+    told = kept or (lambda folder: told_kept([(setup, folder)]))
+    with results.opened(options, name, execution.depends_on(setup), (*_FILES, *names), told) as folder:
+        if options.resume and (found := told(folder.path)):
+            print(f"note: {found}", file=sys.stderr)
+        yield folder
+
+
+def again(options: argparse.Namespace, folder: ResultFolder, document: str, text: str) -> bool:
+    """Prints what a finished study printed, where that is all that `--resume` has left to do.
+
+    Args:
+        options: The command's.
+        folder: Of `opened`.
+        document: Name of the file with its JSON document.
+        text: Name of the file with its text.
+
+    Returns:
+        Whether there is nothing more to do.
+    """
+    if not (options.resume and folder.whole):
+        return False
+    known = json.loads((folder.path / document).read_text(encoding="utf-8"))
+    show(options, folder, known, (folder.path / text).read_text(encoding="utf-8"), _wall_s(folder))
+    return True
+
+
+def show(options: argparse.Namespace, folder: ResultFolder, document: Any, text: str, wall_s: float) -> None:
+    """Prints the results of a study."""
+    results.show(options, {**document, "wall_s": round(wall_s, 3)}, f"{text}\n{wall_s:.0f} s; results in {folder.path}")
+
+
+def obtain(setup: Any, folder: ResultFolder, options: argparse.Namespace, title: str) -> tuple[Any, float]:
+    """Runs a study, or reads it where `--resume` finds it finished.
+
+    Args:
+        setup: Its configuration.
+        folder: Of `opened`.
+        options: How it is executed.
+        title: Of the progress.
+
+    Returns:
+        The Dataset and the time that it took [s].
+    """
+    from dynabot_mj import study
+
+    if options.resume and folder.same and (folder.path / _STUDY).is_file():
+        return study.load(folder.path / _STUDY), _wall_s(folder)  # another of its files is missing
+    return run(setup, folder.path, options, title)
 
 
 def run(setup: Any, folder: Path, options: argparse.Namespace, title: str, *, notes: bool = True) -> tuple[Any, float]:
@@ -43,7 +143,7 @@ def run(setup: Any, folder: Path, options: argparse.Namespace, title: str, *, no
 
     Args:
         setup: Its configuration.
-        folder: Of its results, which the chunks are kept in until it is complete.
+        folder: Which the chunks are kept in until it is complete.
         options: How it is executed.
         title: Of the progress.
         notes: Whether to say what rounding does to the load.
@@ -51,44 +151,70 @@ def run(setup: Any, folder: Path, options: argparse.Namespace, title: str, *, no
     Returns:
         The Dataset and the time that it took [s].
     """
-    from dynabot_mj import progress, scenario, study
-    from dynabot_mj.execution import Execution
+    from dynabot_mj import execution, progress, scenario, study
 
     start = time.monotonic()
     for estimator, load in scenario.loads(setup).items() if notes else ():
         note_load(estimator, load, setup.processor.utilisation)
-
-    execution = Execution(
+    how = execution.Execution(
         workers=options.workers,
         threads=options.threads,
         scheduler=options.scheduler,
         chunks=folder / _CHUNKS,
         resume=options.resume,
     )
-    with progress.shown(title) as tell:
-        dataset = study.run(setup, execution, tell)
+    with telling_kept(options, lambda: told_kept([(setup, folder)])), progress.shown(title) as tell:
+        dataset = study.run(setup, how, tell)
     return dataset, time.monotonic() - start
 
 
 @contextlib.contextmanager
-def staged(folder: Path, setup: Any, dataset: Any, options: argparse.Namespace, wall_s: float) -> Iterator[Path]:
+def telling_kept(options: argparse.Namespace, kept: Callable[[], str]) -> Iterator[None]:
+    """Lets the command's last line tell what outlives whatever ends a study."""
+    try:
+        yield
+    except BaseException:
+        options.kept = kept()
+        raise
+
+
+def told_kept(studies: Sequence[tuple[Any, Path]]) -> str:
+    """Says how many parts of studies their folders keep; "" for none."""
+    from dynabot_mj import execution
+
+    counts = [execution.kept(setup, folder / _CHUNKS) for setup, folder in studies]
+    kept, whole = (sum(column) for column in zip(*counts, strict=True))
+    return f"kept {kept} of {whole} parts" if kept else ""
+
+
+@contextlib.contextmanager
+def staged(
+    folder: ResultFolder, setup: Any, dataset: Any, options: argparse.Namespace, wall_s: float
+) -> Iterator[Path]:
     """Yields a folder for further results beside what every study leaves behind, and keeps them all at once."""
     from dynabot_mj import study
     from dynabot_mj.execution import forget
 
     execution = {
         "command": shlex.join(["dynabot", *sys.argv[1:]]),
+        "folder": str(Path.cwd()),
         "workers": options.workers,
         "threads": options.threads,
         "wall_s": round(wall_s, 3),
         "cores": parsers.cores(),
     }
-    with files.staged(folder) as stage:
-        study.save(dataset, stage / "study.nc")
+    with folder.staged() as stage:
+        study.save(dataset, stage / _STUDY)
         (stage / "study.toml").write_text(dataset.attrs["configuration"], encoding="utf-8")
-        (stage / "execution.json").write_text(results.dump(execution), encoding="utf-8")
+        (stage / _EXECUTION).write_text(results.dump(execution), encoding="utf-8")
         yield stage
-    forget(setup, folder / _CHUNKS)
+    forget(setup, folder.path / _CHUNKS)
+
+
+def _wall_s(folder: ResultFolder) -> float:
+    """Returns how long the finished study took [s]."""
+    execution = json.loads((folder.path / _EXECUTION).read_text(encoding="utf-8"))
+    return float(execution["wall_s"])
 
 
 def note_late(comparison: Any) -> None:

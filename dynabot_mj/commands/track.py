@@ -24,9 +24,11 @@ def track(options: argparse.Namespace) -> None:
     if options.trials < 1:
         raise InputError(f"--trials {options.trials} given, it must be at least 1")
     parsers.require_seed(options.seed)
-    folder = results.open_folder(options, "track")
-    with progress.shown("track") as tell:
-        report = experiment.run(options.seed, options.trials, options.workers, tell)
-    document, text = experiment.document(report), experiment.markdown(report)
-    with results.report(options, folder, "tracking", document, text) as stage:
-        save(tracking_figures.tracking(report), stage / "tracking.png")
+    depends_on = {"seed": options.seed, "trials": options.trials}
+    names = ("tracking.json", "tracking.md", "tracking.png")
+    with results.opened(options, "track", depends_on, names) as folder:
+        with progress.shown("track") as tell:
+            report = experiment.run(options.seed, options.trials, options.workers, tell)
+        document, text = experiment.document(report), experiment.markdown(report)
+        with results.report(options, folder, "tracking", document, text) as stage:
+            save(tracking_figures.tracking(report), stage / "tracking.png")

@@ -57,7 +57,7 @@ def saved_study(place: Path) -> tuple[Any, Path]:
     Raises:
         InputError: If there is none, or it cannot be read.
     """
-    from dynabot_mj import configuration, scenario, study
+    from dynabot_mj import configuration, control_laws, scenario, study
 
     path = place / "study.nc" if place.is_dir() else place
     if not path.is_file():
@@ -69,10 +69,19 @@ def saved_study(place: Path) -> tuple[Any, Path]:
     for name in ("configuration", "case", "trial"):
         if name not in saved.attrs and name not in saved.coords:
             raise InputError(f"the study {path} is not as it was saved: it has no {name}")
+    control_laws.look_in(_folder(path))  # of a law of the user's
     labels = [case.label for case in scenario.cases(configuration.load(saved.attrs["configuration"], str(path)))]
     if labels != saved.case.values.tolist():
         raise InputError(f"the study {path} is not as it was saved: configured are the cases {', '.join(labels)}")
     return saved, path
+
+
+def _folder(path: Path) -> Path | None:
+    """Returns the working directory that a saved study was run in; None where nothing says it."""
+    try:
+        return Path(json.loads(path.with_name("execution.json").read_text(encoding="utf-8"))["folder"])
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
 
 
 def changed_input(saved: Any) -> str | None:

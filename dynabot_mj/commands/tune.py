@@ -1,9 +1,12 @@
 """`dynabot tune`."""
 
 import argparse
+from dataclasses import asdict
 from pathlib import Path
 
 from dynabot_mj.commands import parsers, results
+
+_GAINS = {True: "gains.toml", False: "not_adopted.toml"}  # by whether they are adopted
 
 
 def add(commands: parsers.Commands) -> None:
@@ -42,14 +45,15 @@ def tune(options: argparse.Namespace) -> None:
         seed=options.seed,
     )
     experiment.check(request)
-    folder = results.open_folder(options, "tune-traction")
-    with progress.shown("tune") as tell:
-        result = experiment.run(request, tell)
-    parity = models.parity(request.conditions)
-    document, text = experiment.document(result, parity), experiment.markdown(result, parity)
-    name = "gains.toml" if result.adopted else "not_adopted.toml"
-    note = f"; the gains are {folder / name}"
-    with results.report(options, folder, "tuning", document, text, note) as stage:
-        (stage / name).write_text(gain_sets.dump(result.solution.gains, result.provenance), encoding="utf-8")
-        save(tracking_figures.tuning(result), stage / "tuning.png")
-        save(tracking_figures.parity(parity), stage / "parity.png")
+    names = ("tuning.json", "tuning.md", "tuning.png", "parity.png", *_GAINS.values())
+    with results.opened(options, "tune-traction", asdict(request), names) as folder:
+        with progress.shown("tune") as tell:
+            result = experiment.run(request, tell)
+        parity = models.parity(request.conditions)
+        document, text = experiment.document(result, parity), experiment.markdown(result, parity)
+        name = _GAINS[result.adopted]
+        note = f"; the gains are {folder.path / name}"
+        with results.report(options, folder, "tuning", document, text, note) as stage:
+            (stage / name).write_text(gain_sets.dump(result.solution.gains, result.provenance), encoding="utf-8")
+            save(tracking_figures.tuning(result), stage / "tuning.png")
+            save(tracking_figures.parity(parity), stage / "parity.png")

@@ -63,21 +63,22 @@ def video(options: argparse.Namespace) -> None:
         raise InputError(f"--still {options.still:g} given, the trial lasts from 0 to {duration:g} s")
     shot = _shot(options, setup, path)
 
-    from dynabot_mj import files, opengl, progress
+    from dynabot_mj import files, opengl, progress, result_folder
     from dynabot_mj.video import take
 
     opengl.require()
     files.require_writable(path.parent)
     begin = time.monotonic()
-    with progress.shown("simulation") as tell:
-        taken = take.take(setup, shot, options.beside is not None, tell)
-    document = {"file": str(path), "simulation_s": round(time.monotonic() - begin, 3)}
-    if options.still is not None:
-        drawn_at = _still(taken, shot, options.still, path)
-        document |= {"width": shot.width, "height": shot.height, "time_s": drawn_at}
-        results.show(options, document, f"{path}: {shot.width}x{shot.height} at {drawn_at:g} s")
-        return
-    drawing = _film(taken, shot, path)
+    with result_folder.locked(path):
+        with progress.shown("simulation") as tell:
+            taken = take.take(setup, shot, options.beside is not None, tell)
+        document = {"file": str(path), "simulation_s": round(time.monotonic() - begin, 3)}
+        if options.still is not None:
+            drawn_at = _still(taken, shot, options.still, path)
+            document |= {"width": shot.width, "height": shot.height, "time_s": drawn_at}
+            results.show(options, document, f"{path}: {shot.width}x{shot.height} at {drawn_at:g} s")
+            return
+        drawing = _film(taken, shot, path)
     document |= {
         "width": shot.width,
         "height": shot.height,
@@ -134,7 +135,7 @@ def _path(options: argparse.Namespace) -> Path:
     path: Path = options.out or Path("out/video/video").with_suffix(suffixes[0])
     if path.is_dir():
         raise InputError(f"--out {path} given, it is a folder")
-    if path.suffix not in suffixes:
+    if path.suffix.lower() not in suffixes:
         raise InputError(f"--out {path} given, it must be a file whose name ends with {' or '.join(suffixes)}")
     return path
 
@@ -148,7 +149,7 @@ def _shot(options: argparse.Namespace, setup: Any, path: Path) -> Any:
     from dynabot_mj import scenario
     from dynabot_mj.video.shot import OVERLAYS, Shot
 
-    size, rate = _DEFAULTS.get(path.suffix, _DEFAULTS[".mp4"])
+    size, rate = _DEFAULTS.get(path.suffix.lower(), _DEFAULTS[".mp4"])
     size, rate = options.size or size, rate if options.rate is None else options.rate
     speed = 1.0 if options.speed is None else options.speed
     if options.still is None:
@@ -186,7 +187,7 @@ def _require_rates(path: Path, rate: float, speed: float, duration: float) -> No
     Raises:
         InputError: If that is out of range, or there is but one.
     """
-    for name, value, (least, most) in (("rate", rate, _RATES[path.suffix]), ("speed", speed, _SPEEDS)):
+    for name, value, (least, most) in (("rate", rate, _RATES[path.suffix.lower()]), ("speed", speed, _SPEEDS)):
         if not least <= value <= most:  # NaN neither
             raise InputError(f"--{name} {value:g} given, allowed are {least:g} to {most:g} for {path.suffix}")
     if math.ceil(duration / speed * rate) < 2:

@@ -8,6 +8,8 @@ from dynabot_mj import opengl
 from dynabot_mj.commands import parsers, trials
 from dynabot_mj.errors import DynabotError, InputError
 
+_HOST, _PORT = "127.0.0.1", 8080
+
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
@@ -16,23 +18,24 @@ def add(commands: parsers.Commands) -> None:
     command.add_argument("--speed", type=float, default=1.0, help="simulated seconds per second (default 1)")
     browser = command.add_argument_group("in the browser")
     browser.add_argument("--browser", action="store_true", help="there, even where there is a display")
-    browser.add_argument(
-        "--host", default="127.0.0.1", help="address to listen on (default 127.0.0.1: this machine alone can look)"
-    )
-    browser.add_argument("--port", type=int, default=8080, help="to listen on (default 8080; 0: any free one)")
+    browser.add_argument("--host", help=f"address to listen on (default {_HOST}: this machine alone can look)")
+    browser.add_argument("--port", type=int, help=f"to listen on (default {_PORT}; 0: any free one)")
 
 
 def view(options: argparse.Namespace) -> None:
     """One trial of one case, watched: in MuJoCo's window where there is a display, else in the browser."""
     if not 0.05 <= options.speed <= 100.0:
         raise InputError(f"--speed {options.speed:g} given, allowed are 0.05 to 100")
-    if not 0 <= options.port <= 65535:
+    if options.port is not None and not 0 <= options.port <= 65535:
         raise InputError(f"--port {options.port} given, allowed are 0 to 65535")
     setup = trials.chosen(options)
 
     from dynabot_mj import playback, progress, recording
 
     in_window = not options.browser and _has_display()
+    for name in ("host", "port"):
+        if in_window and getattr(options, name) is not None:
+            raise InputError(f"--{name} given, but there is a display, whose window needs none; or give --browser")
     if not in_window:
         _require_browser()
     snapshots = None
@@ -67,7 +70,12 @@ def _screen(options: argparse.Namespace, setup: Any, clock: Any, in_window: bool
     from dynabot_mj.web_view import Browser
 
     browser = Browser(
-        Stage(setup, case), clock, title=title, duration=scenario.duration(setup), host=options.host, port=options.port
+        Stage(setup, case),
+        clock,
+        title=title,
+        duration=scenario.duration(setup),
+        host=options.host or _HOST,
+        port=_PORT if options.port is None else options.port,
     )
     print(f"{title}: {browser.address} (Ctrl-C ends it)", flush=True)
     return browser

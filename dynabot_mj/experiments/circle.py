@@ -28,7 +28,7 @@ from dynabot_mj.filter_parameters import FilterParameters
 from dynabot_mj.ground_truth import GroundTruth
 from dynabot_mj.replay import Samples, Track
 from dynabot_mj.sensor_errors import SensorOptions
-from dynabot_mj.validation import STRICT
+from dynabot_mj.validation import STRICT, UNITS
 
 PlantName = Literal["kinematic", "rigid"]
 PLANTS: tuple[PlantName, ...] = get_args(PlantName)
@@ -94,7 +94,9 @@ def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) ->
         # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
         found = TypeAdapter(Request).validate_json(json.dumps(merged, default=str))
     except ValidationError as error:
-        raise InputError(f"{origin}: {one_line(error)}") from error
+        typed = {key: f"--{key}" for key, value in options.items() if value is not None}
+        told = one_line(error, typed=typed, units=UNITS)
+        raise InputError(told if told.startswith("--") else f"{origin}: {told}") from error
     if found.plant == "rigid":
         if found.path != "circle":
             raise InputError(f"path {found.path!r} given for the rigid plant, its tether allows: circle")

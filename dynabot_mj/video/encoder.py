@@ -7,6 +7,7 @@ from typing import Any
 import imageio_ffmpeg
 import numpy as np
 
+from dynabot_mj import files
 from dynabot_mj.errors import DynabotError
 from dynabot_mj.video.strip import Picture
 
@@ -40,14 +41,15 @@ def write(path: Path, pictures: Iterable[Picture], rate: float) -> None:
     """Encodes pictures into a file that is complete or not there.
 
     Args:
-        path: Ends with one of SUFFIXES.
+        path: Ends with one of SUFFIXES, in any case; this process is the only one that writes it.
         pictures: At least one, (H, W, 3) each, H and W even.
         rate: Pictures per second.
 
     Raises:
         DynabotError: If the encoder fails.
     """
-    partial = path.with_name(f".{path.stem}.partial{path.suffix}")
+    # Absolute, since to the encoder `12:30.mp4` is a protocol.
+    partial = path.absolute().with_name(f"{files.PARTIAL}{files.short(path.name)}{path.suffix.lower()}")
     try:
         count = _encode(partial, pictures, rate)
         # The library tells neither how the encoder ended nor why.

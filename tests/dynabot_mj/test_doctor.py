@@ -23,7 +23,7 @@ def answers(monkeypatch):
     return tell
 
 
-WORKING = {"imageio_ffmpeg": (0, "9.0\n", ""), "dm_control": (0, "", "")}
+WORKING = {"imageio_ffmpeg": (0, "9.0\n", ""), "dm_control": (0, "", ""), "matplotlib": (0, "", "")}
 DRAWN = (0, "drawn\n", "")
 
 
@@ -42,10 +42,16 @@ def test_without_graphics_it_says_what_to_install(without_graphics):
 
 
 def test_encoder_and_versions_work_here():
-    checks = found(doctor.examine(cores=3))
-    for name in ("ffmpeg with H.264", "mujoco", "dm_control with it"):
+    checks = found(doctor.examine(cores=3, figures_asked="module://a_notebooks.own"))
+    for name in ("ffmpeg with H.264", "figures", "mujoco", "dm_control with it"):
         assert checks[name].ok, checks[name].found
     assert checks["cores"].found.startswith("3, ")
+    assert checks["figures"].found == "a figure drawn; by agg, not by MPLBACKEND=module://a_notebooks.own"
+
+
+def test_bindings_that_other_programs_ask_for_do_not_disturb(monkeypatch):
+    monkeypatch.setenv("PYOPENGL_PLATFORM", "glx")
+    assert doctor._run("import os; print('PYOPENGL_PLATFORM' in os.environ)").stdout == "False\n"
 
 
 @pytest.mark.parametrize(("asked", "healthy"), [(None, True), ("egl", False), ("osmesa", True), ("nonsense", False)])
@@ -70,7 +76,8 @@ def test_a_blank_frame_is_none(answers, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("broken", "name"), [("imageio_ffmpeg", "ffmpeg with H.264"), ("dm_control", "dm_control with it")]
+    ("broken", "name"),
+    [("imageio_ffmpeg", "ffmpeg with H.264"), ("dm_control", "dm_control with it"), ("matplotlib", "figures")],
 )
 def test_what_is_needed_besides_graphics(answers, monkeypatch, broken, name):
     monkeypatch.delenv("MUJOCO_GL", raising=False)

@@ -46,10 +46,10 @@ def test_without_any_fix_there_is_no_figure_of_merit(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("options", "what"),
     [
-        (["--runs", "0"], "runs = 0"),
-        (["--seed", "-1"], "seed = -1"),
+        (["--runs", "0"], "--runs 0"),
+        (["--seed", "-1"], "--seed -1"),
         (["--duration", "nan"], "duration"),
-        (["--period", "1"], "period = 1.0"),
+        (["--period", "1"], "--period 1: input should be less than or equal to 0.2 s"),
         (["--plant", "particle"], "particle"),
         (["--plant", "rigid", "--path", "line"], "its tether allows: circle"),
         (["--config", "nowhere.toml"], "cannot read the configuration nowhere.toml"),

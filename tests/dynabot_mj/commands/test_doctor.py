@@ -11,7 +11,7 @@ BAD = Check(name="drawing", ok=False, found="no OpenGL back end", needed=True, m
 
 @pytest.mark.parametrize(("checks", "code"), [([GOOD], 0), ([GOOD, BAD], 1)])
 def test_exit_code_and_one_line(monkeypatch, capsys, checks, code):
-    monkeypatch.setattr(doctor, "examine", lambda cores: checks)
+    monkeypatch.setattr(doctor, "examine", lambda cores, figures_asked: checks)
     assert cli.main(["doctor"]) == code
     out, err = capsys.readouterr()
     assert "| mujoco" in out
@@ -19,6 +19,6 @@ def test_exit_code_and_one_line(monkeypatch, capsys, checks, code):
 
 
 def test_json(monkeypatch, capsys):
-    monkeypatch.setattr(doctor, "examine", lambda cores: [GOOD, BAD])
+    monkeypatch.setattr(doctor, "examine", lambda cores, figures_asked: [GOOD, BAD])
     assert cli.main(["doctor", "--json"]) == 1
     assert json.loads(capsys.readouterr().out) == doctor.document([GOOD, BAD])
