@@ -1,10 +1,11 @@
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from dynabot_mj import configuration, opengl, study
+from dynabot_mj import cli, configuration, opengl, study
 
 
 @pytest.fixture(scope="session")
@@ -44,6 +45,26 @@ def dynabot(command):
         return subprocess.run(line, capture_output=True, text=True, timeout=300, cwd=cwd, check=False)
 
     return run
+
+
+@pytest.fixture
+def main(monkeypatch, capsys):
+    """Runs the command line in this process, which has imported what takes a new one two seconds."""
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+
+    def run(*arguments, cwd="."):
+        line = list(map(str, arguments))
+        capsys.readouterr()
+        with monkeypatch.context() as patch:
+            patch.setattr(sys, "argv", ["dynabot", *line])
+            patch.chdir(cwd)
+            code = cli.main(line)
+        out, err = capsys.readouterr()
+        return subprocess.CompletedProcess(line, code, out, err)
+
+    yield run
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
 
 
 @pytest.fixture

@@ -76,7 +76,7 @@ NONSENSE = [
 @pytest.mark.parametrize(
     ("arguments", "message"), NONSENSE, ids=lambda value: " ".join(value) if isinstance(value, list) else ""
 )
-def test_nonsense_is_one_line_and_code_2_before_any_work(dynabot, arguments, message, tmp_path):
+def test_nonsense_is_one_line_and_code_2_before_any_work(main, arguments, message, tmp_path):
     (tmp_path / "unknown.toml").write_text("bogus = 1")
     (tmp_path / "type.toml").write_text("trials = 'many'")
     (tmp_path / "mass.toml").write_text("mass = -12.0")
@@ -87,12 +87,18 @@ def test_nonsense_is_one_line_and_code_2_before_any_work(dynabot, arguments, mes
     (tmp_path / "nameless.toml").write_text('"" = 1')
     (tmp_path / "binary.toml").write_bytes(bytes(range(128, 256)))
     before = sorted(tmp_path.iterdir())
-    done = dynabot(*arguments, cwd=tmp_path)
+    done = main(*arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert message in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert done.stdout == ""
     assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("arguments", [[], ["compare", "--robots", "0"]])
+def test_nonsense_is_one_line_and_code_2_of_the_process(dynabot, main, arguments, tmp_path):
+    done, here = dynabot(*arguments, cwd=tmp_path), main(*arguments)
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", here.stderr)
 
 
 def test_ctrl_c_keeps_finished_parts_and_resume_continues(dynabot, command, tmp_path):
@@ -181,9 +187,9 @@ def test_what_surrounds_us_does_not_stop_us(command, surroundings, tmp_path):
     assert (tmp_path / "out" / "trajectories.png").is_file()
 
 
-def test_a_byte_order_mark_is_no_part_of_a_configuration(dynabot, tmp_path):
+def test_a_byte_order_mark_is_no_part_of_a_configuration(main, tmp_path):
     (tmp_path / "marked.toml").write_bytes(b"\xef\xbb\xbfseed = 5\n")
-    done = dynabot(*SHORT, tmp_path / "out", "--config", tmp_path / "marked.toml")
+    done = main(*SHORT, tmp_path / "out", "--config", tmp_path / "marked.toml")
     assert done.returncode == 0, done.stderr
     assert "seed 5" in done.stdout
 

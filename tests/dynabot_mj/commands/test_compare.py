@@ -1,7 +1,7 @@
 import json
 
 
-def test_compare_writes_results_that_can_be_fed_back_in(dynabot, tmp_path):
+def test_compare_writes_results_that_can_be_fed_back_in(dynabot, main, tmp_path):
     first = dynabot(
         "compare",
         "--trials",
@@ -27,7 +27,7 @@ def test_compare_writes_results_that_can_be_fed_back_in(dynabot, tmp_path):
         "outcomes.png", "incidence.png",
         "trajectories_perfect.png", "trajectories_gps.png",
     }  # fmt: skip
-    again = dynabot(
+    again = main(
         "compare",
         "--config",
         tmp_path / "a" / "study.toml",
@@ -43,21 +43,21 @@ def test_compare_writes_results_that_can_be_fed_back_in(dynabot, tmp_path):
     assert {**json.loads(again.stdout), "wall_s": 0} == {**document, "wall_s": 0}
 
 
-def test_compare_prints_its_tables_and_where_they_are(dynabot, tmp_path):
-    told = dynabot("compare", "--trials", 1, "--duration", 14, "--plants", "particle", "--out", tmp_path)
+def test_compare_prints_its_tables_and_where_they_are(main, tmp_path):
+    told = main("compare", "--trials", 1, "--duration", 14, "--plants", "particle", "--out", tmp_path)
     assert "| decoupled" in told.stdout
     assert str(tmp_path) in told.stdout
     assert "not arrived within 14 s: 100 % of particle/perfect" in told.stderr
 
 
-def test_sensitivity_is_a_study_of_its_own_and_leaves_no_parts(dynabot, tmp_path):
+def test_sensitivity_is_a_study_of_its_own_and_leaves_no_parts(main, tmp_path):
     line = ["compare", "--sensitivity", "--trials", 1, "--duration", 1, "--estimators", "gps", "--workers", 1, "--json"]
-    done = dynabot(*line, "--out", tmp_path)
+    done = main(*line, "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert len(json.loads(done.stdout)["readings"]) > 15
     assert {file.name for file in tmp_path.iterdir()} == {
         ".results", "study.toml", "sensitivity.json", "sensitivity.md", "sensitivity.png",
     }  # fmt: skip
-    refused = dynabot("compare", "--sensitivity", "--plants", "rigid", "--out", tmp_path)
+    refused = main("compare", "--sensitivity", "--plants", "rigid", "--out", tmp_path)
     assert refused.returncode == 2
     assert refused.stderr.startswith("dynabot: plants = rigid given with --sensitivity")

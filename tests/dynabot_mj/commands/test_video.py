@@ -57,10 +57,10 @@ def test_a_video_is_as_long_as_its_trial_and_robots_move_and_trails_grow(dynabot
 
 
 @drawn
-def test_a_saved_trial_is_filmed_as_the_study_ran_it(dynabot, dataset, tmp_path):
+def test_a_saved_trial_is_filmed_as_the_study_ran_it(main, dataset, tmp_path):
     study.save(dataset, tmp_path / "study.nc")
     line = ["--reproduce", f"{tmp_path}:rigid/gauss-markov/gps:2", "--speed", "4", *SMALL, "--out", tmp_path / "a.gif"]
-    done = dynabot("video", *line, "--beside", "particle", "--eyes-of", "1")
+    done = main("video", *line, "--beside", "particle", "--eyes-of", "1")
     assert done.returncode == 0, done.stderr
     with Image.open(tmp_path / "a.gif") as animation:
         assert animation.size == (480, 272)
@@ -69,10 +69,10 @@ def test_a_saved_trial_is_filmed_as_the_study_ran_it(dynabot, dataset, tmp_path)
 
 
 @drawn
-def test_a_still_is_the_frame_of_its_instant(dynabot, tmp_path):
+def test_a_still_is_the_frame_of_its_instant(main, tmp_path):
     line = ["video", "--plant", "particle", "--duration", "3", "--size", "480x272"]
-    assert dynabot(*line, "--rate", "10", "--out", tmp_path / "a.mp4").returncode == 0
-    assert dynabot(*line, "--still", "2", "--out", tmp_path / "a.png").returncode == 0
+    assert main(*line, "--rate", "10", "--out", tmp_path / "a.mp4").returncode == 0
+    assert main(*line, "--still", "2", "--out", tmp_path / "a.png").returncode == 0
     still = imageio.imread(tmp_path / "a.png").astype(int)
     frame = imageio.imread(tmp_path / "a.mp4", plugin="FFMPEG", index=20).astype(int)
     assert still.shape == frame.shape == (272, 480, 3)
@@ -81,9 +81,9 @@ def test_a_still_is_the_frame_of_its_instant(dynabot, tmp_path):
 
 @drawn
 @pytest.mark.parametrize(("instant", "at"), [("0", 0.0), ("0.01", 0.0), ("1.2345", 1.2345), ("3", 3.0)])
-def test_a_still_is_of_the_instant_that_was_asked_for(dynabot, tmp_path, instant, at):
+def test_a_still_is_of_the_instant_that_was_asked_for(main, tmp_path, instant, at):
     line = ["video", "--plant", "particle", "--duration", "3", "--size", "480x272", "--still", instant, "--json"]
-    done = dynabot(*line, "--out", tmp_path / "a.png")
+    done = main(*line, "--out", tmp_path / "a.png")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["time_s"] == pytest.approx(at, abs=1e-9)
 
@@ -224,8 +224,8 @@ def test_the_environments_pictures_need_no_display_either():
         (["--size", "large"], "argument --size: 'large' given, it must be e.g. 1280x720: even numbers from 480x270"),
     ],
 )
-def test_bad_input_is_told_in_one_line(dynabot, options, told, tmp_path):
-    done = dynabot("video", *options, cwd=tmp_path)
+def test_bad_input_is_told_in_one_line(main, options, told, tmp_path):
+    done = main("video", *options, cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.startswith(f"dynabot: {told}")
     assert done.stderr.count("\n") == 1

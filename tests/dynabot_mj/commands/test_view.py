@@ -135,6 +135,6 @@ def test_without_a_display_and_without_the_extra_the_extra_is_named(command, tmp
         (["--port", "70000"], "--port 70000 given, allowed are 0 to 65535"),
     ],
 )
-def test_bad_input_is_told_in_one_line(dynabot, options, told):
-    done = dynabot("view", *options)
+def test_bad_input_is_told_in_one_line(main, options, told):
+    done = main("view", *options)
     assert (done.returncode, done.stderr) == (2, f"dynabot: {told}\n")
