@@ -3,7 +3,6 @@ import json
 import pytest
 
 from dynabot_mj import configuration, study
-from dynabot_mj.report import material
 
 
 @pytest.fixture(scope="module")
@@ -16,12 +15,6 @@ def tiny():
 def results(tiny, tmp_path):
     study.save(tiny, tmp_path / "study.nc")
     return tmp_path
-
-
-@pytest.fixture
-def few_runs(monkeypatch):
-    """The tether with two runs instead of twenty: what is asked here is not how accurate they are."""
-    monkeypatch.setattr(material, "_CIRCLE_RUNS", 2)
 
 
 def test_the_page_and_its_tables_are_written_beside_the_study(dynabot, results):
@@ -37,7 +30,7 @@ def test_the_page_and_its_tables_are_written_beside_the_study(dynabot, results):
     assert "What the body changes" not in page
 
 
-@pytest.mark.usefixtures("few_runs")
+@pytest.mark.usefixtures("small_report")
 def test_another_place_may_be_chosen_and_the_document_says_where(main, results, tmp_path):
     page = tmp_path / "elsewhere" / "page.html"
     told = json.loads(main("report", results, "--out", page, "--json").stdout)
@@ -79,7 +72,7 @@ def test_an_unreadable_note_of_the_execution_is_told(main, results):
     assert not (results / "report.html").exists()
 
 
-@pytest.mark.usefixtures("few_runs")
+@pytest.mark.usefixtures("small_report")
 def test_a_study_of_another_vehicle_has_no_figures_over_time(main, results):
     changed = study.load(results / "study.nc").assign_attrs(inputs='{"model": "0", "gains": "0"}')
     study.save(changed, results / "study.nc")
