@@ -127,7 +127,7 @@ def test_without_a_library_the_package_is_named_and_nothing_is_written(command, 
 
 
 def test_without_a_library_everything_else_works(command, tmp_path, without_graphics):
-    """But `doctor`, of which the next test and its own ask that."""
+    """`doctor` too, but that the next test asks."""
 
     def run(*line):
         line = list(map(str, [command, *line]))
