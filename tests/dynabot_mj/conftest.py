@@ -1,10 +1,15 @@
+import os
+import signal
 import subprocess
 import sys
+import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from dynabot_mj import configuration, opengl, study
+from dynabot_mj import cli, configuration, opengl, study
+from dynabot_mj.report import material
 
 
 @pytest.fixture(scope="session")
@@ -44,6 +49,70 @@ def dynabot(command):
         return subprocess.run(line, capture_output=True, text=True, timeout=300, cwd=cwd, check=False)
 
     return run
+
+
+@pytest.fixture
+def main(monkeypatch, capsys):
+    """Runs the command line in this process, which has imported what takes a new one two seconds."""
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+
+    def run(*arguments, cwd="."):
+        line = list(map(str, arguments))
+        capsys.readouterr()
+        with monkeypatch.context() as patch:
+            patch.setattr(sys, "argv", ["dynabot", *line])
+            patch.chdir(cwd)
+            code = cli.main(line)
+        out, err = capsys.readouterr()
+        return subprocess.CompletedProcess(line, code, out, err)
+
+    yield run
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+
+
+@pytest.fixture(scope="module")
+def small_report():
+    """Reports on a tether with 2 runs of 30 s instead of 20 of 100 s, and with films of few small pictures."""
+    run = material.circle.run
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(
+            material.circle, "run", lambda asked, progress: run(replace(asked, runs=2, duration=30.0), progress)
+        )
+        patch.setattr(material, "_SHOT", replace(material._SHOT, width=480, height=270, rate=4.0, samples=0))
+        yield
+
+
+@pytest.fixture(scope="session")
+def polled():
+    """Returns what is got once it is good, or at last: a busy machine only takes longer."""
+
+    def poll(get, good=bool, seconds=240.0):
+        end = time.monotonic() + seconds
+        while not good(found := get()) and time.monotonic() < end:
+            time.sleep(0.1)
+        return found
+
+    return poll
+
+
+@pytest.fixture
+def started(command):
+    """Starts the command line beside a test, which it does not outlive, not even by a pipe."""
+    processes = []
+
+    def start(*arguments):
+        line = [command, *map(str, arguments)]
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        # A session of its own: its group gets signals as from a terminal.
+        processes.append(subprocess.Popen(line, **pipes, text=True, start_new_session=True))
+        return processes[-1]
+
+    yield start
+    for process in processes:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
 
 
 @pytest.fixture

@@ -96,7 +96,7 @@ NONSENSE = [
 @pytest.mark.parametrize(
     ("arguments", "message"), NONSENSE, ids=lambda value: " ".join(value) if isinstance(value, list) else ""
 )
-def test_nonsense_is_one_line_and_code_2_before_any_work(dynabot, arguments, message, tmp_path):
+def test_nonsense_is_one_line_and_code_2_before_any_work(main, arguments, message, tmp_path):
     (tmp_path / "unknown.toml").write_text("bogus = 1")
     (tmp_path / "type.toml").write_text("trials = 'many'")
     (tmp_path / "mass.toml").write_text("mass = -12.0")
@@ -108,7 +108,7 @@ def test_nonsense_is_one_line_and_code_2_before_any_work(dynabot, arguments, mes
     (tmp_path / "binary.toml").write_bytes(bytes(range(128, 256)))
     (tmp_path / "dangling").symlink_to("nowhere")
     before = sorted(tmp_path.iterdir())
-    done = dynabot(*arguments, cwd=tmp_path)
+    done = main(*arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert message in done.stderr
     assert len(done.stderr.splitlines()) == 1
@@ -116,20 +116,19 @@ def test_nonsense_is_one_line_and_code_2_before_any_work(dynabot, arguments, mes
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_ctrl_c_keeps_finished_parts_and_resume_continues(dynabot, command, tmp_path):
-    options = ["--trials", "120", "--duration", "30", "--plants", "particle", "--workers", "2", "--out", str(tmp_path)]
-    process = subprocess.Popen(
-        [command, "compare", *options],
-        stderr=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-        start_new_session=True,  # a terminal's Ctrl-C reaches every process of the group
-    )
-    deadline = time.monotonic() + 120
-    while time.monotonic() < deadline and not list(tmp_path.glob(".chunks/*.pickle")):
-        time.sleep(0.05)
+@pytest.mark.parametrize("arguments", [[], ["compare", "--robots", "0"]])
+def test_nonsense_is_one_line_and_code_2_of_the_process(dynabot, main, arguments, tmp_path):
+    done, here = dynabot(*arguments, cwd=tmp_path), main(*arguments)
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", here.stderr)
+
+
+def test_ctrl_c_keeps_finished_parts_and_resume_continues(main, started, polled, tmp_path):
+    options = ["--trials", "300", "--duration", "40", "--plants", "particle", "--estimators", "decoupled"]
+    options += ["--out", str(tmp_path)]
+    process = started("compare", *options, "--workers", "2")
+    assert polled(lambda: list(tmp_path.glob(".chunks/*.pickle")))
     os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=240)
     assert process.returncode == 130
     assert err.splitlines()[-1].startswith("dynabot: interrupted")
     assert "Traceback" not in err
@@ -137,22 +136,22 @@ def test_ctrl_c_keeps_finished_parts_and_resume_continues(dynabot, command, tmp_
     assert [path.name for path in tmp_path.iterdir()] == [".chunks"]
     assert not [path for path in tmp_path.rglob("*") if "partial" in path.name]
     kept = len(list(tmp_path.glob(".chunks/*.pickle")))
-    assert err.splitlines()[-1] == f"dynabot: interrupted; kept {kept} of 12 parts, --resume continues from them"
-    resumed = dynabot("compare", *options, "--resume")
+    assert err.splitlines()[-1] == f"dynabot: interrupted; kept {kept} of 6 parts, --resume continues from them"
+    resumed = main("compare", *options, "--resume")
     assert resumed.returncode == 0
-    assert resumed.stderr.startswith(f"note: kept {kept} of 12 parts")
+    assert resumed.stderr.startswith(f"note: kept {kept} of 6 parts")
     assert not (tmp_path / ".chunks").exists()
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.5, 1.5])
-def test_ctrl_c_while_the_workers_start_is_one_line(command, delay, tmp_path):
-    line = [command, "compare", "--trials", "300", "--plants", "particle", "--workers", "2", "--out", tmp_path / "x"]
-    process = subprocess.Popen(line, stderr=subprocess.PIPE, text=True, start_new_session=True)
+def test_ctrl_c_while_the_workers_start_is_one_line(started, delay, tmp_path):
+    line = ["compare", "--trials", "300", "--plants", "particle", "--workers", "2", "--out", tmp_path / "x"]
+    process = started(*line)
     # The study is announced by a note on its periods; until then a busy machine may still be importing.
     assert process.stderr.readline().startswith("note:")
     time.sleep(delay)
     os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=240)
     assert process.returncode == 130
     (told,) = [line for line in err.splitlines() if not line.startswith(("note:", "compare:"))]
     assert re.fullmatch(r"dynabot: interrupted(; kept \d+ of \d+ parts, --resume continues from them)?", told)
@@ -184,13 +183,12 @@ def test_version_and_module_entry_point(dynabot):
 SHORT = ["run", "--plant", "particle", "--estimator", "gps", "--duration", "14", "--out"]
 
 
+# Two at a time: none of a pair hides what another one breaks.
 @pytest.mark.parametrize(
     "surroundings",
     [
-        {"PYTHONIOENCODING": "ascii"},
-        {"PYTHONUTF8": "0", "PYTHONIOENCODING": "cp1252"},
-        {"MPLBACKEND": "module://a_notebooks.own"},
-        {"MATPLOTLIBRC": "."},
+        {"PYTHONIOENCODING": "ascii", "MPLBACKEND": "module://a_notebooks.own"},
+        {"PYTHONUTF8": "0", "PYTHONIOENCODING": "cp1252", "MATPLOTLIBRC": "."},
     ],
     ids=" ".join,
 )
@@ -204,9 +202,9 @@ def test_what_surrounds_us_does_not_stop_us(command, surroundings, tmp_path):
     assert (tmp_path / "out" / "trajectories.png").is_file()
 
 
-def test_a_byte_order_mark_is_no_part_of_a_configuration(dynabot, tmp_path):
+def test_a_byte_order_mark_is_no_part_of_a_configuration(main, tmp_path):
     (tmp_path / "marked.toml").write_bytes(b"\xef\xbb\xbfseed = 5\n")
-    done = dynabot(*SHORT, tmp_path / "out", "--config", tmp_path / "marked.toml")
+    done = main(*SHORT, tmp_path / "out", "--config", tmp_path / "marked.toml")
     assert done.returncode == 0, done.stderr
     assert "seed 5" in done.stdout
 

@@ -96,7 +96,7 @@ def test_its_file_is_an_input_of_the_study(laws):
 
 
 def test_compare_judges_it(dynabot, laws):
-    options = ["--estimators", "decoupled", "--trials", "2", "--duration", "14", "--workers", "2"]
+    options = ["--estimators", "decoupled", "--trials", "2", "--duration", "3", "--workers", "2"]
     done = dynabot("compare", "--controller", "laws_of_a_user:rest", *options, "--json", cwd=laws)
     assert done.returncode == 0, done.stderr
     # Nobody moves, but that rigid robots settle on their tyres.

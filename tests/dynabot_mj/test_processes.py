@@ -1,10 +1,12 @@
+import os
 import signal
 import subprocess
 import sys
-import time
 
 import psutil
 import pytest
+
+from dynabot_mj import doctor
 
 LINE = [
     "compare",
@@ -22,26 +24,18 @@ LINE = [
 ]
 
 
-def until(true, seconds=120.0):
-    """Polls until something holds; a busy machine only takes longer."""
-    end = time.monotonic() + seconds
-    while not (found := true()) and time.monotonic() < end:
-        time.sleep(0.05)
-    return found
-
-
 def workers(parent):
     """The worker processes of a study, without the one that tracks what they share."""
     return [one for one in parent.children() if "spawn_main" in " ".join(one.cmdline())]
 
 
 @pytest.fixture
-def running(command, tmp_path):
+def running(command, polled, tmp_path):
     """A study with two workers that has finished a part of its work."""
     process = subprocess.Popen(
         [command, *map(str, LINE), str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
-    assert until(lambda: list(tmp_path.glob(".chunks/*.pickle")))
+    assert polled(lambda: list(tmp_path.glob(".chunks/*.pickle")))
     yield process, psutil.Process(process.pid)
     if process.poll() is None:
         process.kill()
@@ -49,41 +43,50 @@ def running(command, tmp_path):
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_signals_of_batch_systems_end_a_study_as_ctrl_c_does(running, number, tmp_path):
+def test_these_signals_end_a_command_as_ctrl_c_does(main, monkeypatch, number):
+    signal.signal(number, signal.SIG_DFL)  # nohup lets it be ignored, and then it stays so
+    monkeypatch.setattr(doctor, "examine", lambda cores, figures_asked: os.kill(os.getpid(), number))
+    done = main("doctor")
+    assert (done.returncode, done.stdout) == (128 + number, "")
+    assert done.stderr == f"dynabot: ended by {number.name}\n"
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.slow)])
+def test_signals_of_batch_systems_end_a_study_as_ctrl_c_does(running, polled, number, tmp_path):
     process, parent = running
     children = parent.children(recursive=True)
     process.send_signal(number)
-    out, err = process.communicate(timeout=120)
+    out, err = process.communicate(timeout=240)
     assert process.returncode == 128 + number
     assert out == ""
     kept = len(list(tmp_path.glob(".chunks/*.pickle")))
     (told,) = [line for line in err.splitlines() if not line.startswith(("note:", "compare:"))]
     assert told.startswith(f"dynabot: ended by {number.name}; kept {kept} of ")
     assert told.endswith(" parts, --resume continues from them")
-    assert until(lambda: not any(one.is_running() for one in children))
+    assert polled(lambda: not any(one.is_running() for one in children))
     assert [path.name for path in tmp_path.iterdir()] == [".chunks"]
 
 
-def test_no_worker_outlives_a_parent_that_is_killed(running):
+def test_no_worker_outlives_a_parent_that_is_killed(running, polled):
     process, parent = running
     children = parent.children(recursive=True)
     assert len(workers(parent)) == 2
     process.kill()
-    process.communicate(timeout=120)
-    assert until(lambda: not any(one.is_running() and one.status() != psutil.STATUS_ZOMBIE for one in children))
+    process.communicate(timeout=240)
+    assert polled(lambda: not any(one.is_running() and one.status() != psutil.STATUS_ZOMBIE for one in children))
 
 
-def test_a_worker_that_is_killed_is_one_line_and_its_work_is_not_lost(running, tmp_path):
+def test_a_worker_that_is_killed_is_one_line_and_its_work_is_not_lost(running, polled, tmp_path):
     process, parent = running
     children = parent.children(recursive=True)
     workers(parent)[0].kill()
-    out, err = process.communicate(timeout=120)
+    out, err = process.communicate(timeout=240)
     assert (process.returncode, out) == (1, "")
     lines = [line for line in err.splitlines() if not line.startswith(("note:", "compare:"))]
     assert len(lines) == 1
     assert lines[0].startswith("dynabot: a worker process died")
     assert "--resume" in lines[0]
-    assert until(lambda: not any(one.is_running() for one in children))
+    assert polled(lambda: not any(one.is_running() for one in children))
     assert list(tmp_path.glob(".chunks/*.pickle"))
 
 

@@ -10,7 +10,7 @@ from dynabot_mj.experiments import kinematic
 from dynabot_mj.sensor_errors import SensorOptions
 from dynabot_mj.sensor_faults import Fault
 
-PERIOD, STEPS = 0.036, 3000
+PERIOD, STEPS = 0.036, 2100
 
 FAULTS = (
     Fault(kind="outage", start=20.0, end=26.0),

@@ -19,11 +19,11 @@ def test_drive_prints_one_json_document_and_writes_its_results(dynabot, tmp_path
     assert json.loads((tmp_path / "a" / "drive.json").read_text()) == document
 
 
-def test_drive_takes_another_ground_load_and_robot(dynabot, tmp_path):
+def test_drive_takes_another_ground_load_and_robot(main, tmp_path):
     robot = models.path("dynabot.xml").read_text(encoding="utf-8").replace('mass="0.6" euler', 'mass="1.2" euler')
     (tmp_path / "heavy.xml").write_text(robot, encoding="utf-8")
     options = ["--friction", 0.3, "--payload", 4, "--model", tmp_path / "heavy.xml"]
-    done = dynabot("drive", *options, "--out", tmp_path / "a")
+    done = main("drive", *options, "--out", tmp_path / "a")
     assert done.returncode == 0, done.stderr
     assert "18.4 kg, friction 0.3" in done.stdout
     assert "| top speed" in done.stdout

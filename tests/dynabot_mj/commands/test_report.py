@@ -5,10 +5,14 @@ import pytest
 from dynabot_mj import configuration, study
 
 
+@pytest.fixture(scope="module")
+def tiny():
+    """A study of one second, of one case."""
+    return study.run(configuration.build({}, trials=1, duration=1.0, estimators=["gps"], plants=["particle"]))
+
+
 @pytest.fixture
-def results(tmp_path):
-    """The results of a study of one second, of one case."""
-    tiny = study.run(configuration.build({}, trials=1, duration=1.0, estimators=["gps"], plants=["particle"]))
+def results(tiny, tmp_path):
     study.save(tiny, tmp_path / "study.nc")
     return tmp_path
 
@@ -26,9 +30,10 @@ def test_the_page_and_its_tables_are_written_beside_the_study(dynabot, results):
     assert "What the body changes" not in page
 
 
-def test_another_place_may_be_chosen_and_the_document_says_where(dynabot, results, tmp_path):
+@pytest.mark.usefixtures("small_report")
+def test_another_place_may_be_chosen_and_the_document_says_where(main, results, tmp_path):
     page = tmp_path / "elsewhere" / "page.html"
-    told = json.loads(dynabot("report", results, "--out", page, "--json").stdout)
+    told = json.loads(main("report", results, "--out", page, "--json").stdout)
     assert told["page"] == str(page)
     assert told["bytes"] == page.stat().st_size
     assert all((tmp_path / "elsewhere" / "page_tables" / name).is_file() for name in ("cases.csv", "trials.csv"))
@@ -63,31 +68,32 @@ def test_a_page_goes_with_its_study_and_never_over_tables_of_the_user(dynabot, t
         (["broken"], "cannot read the study broken/study.nc"),
     ],
 )
-def test_nonsense_is_one_line_and_code_2(dynabot, tmp_path, results, options, message):
+def test_nonsense_is_one_line_and_code_2(main, tmp_path, results, options, message):
     place = tmp_path / "work"
     for name in ("results", "broken", "folder.html"):
         (place / name).mkdir(parents=True)
     (results / "study.nc").rename(place / "results" / "study.nc")
     (place / "broken" / "study.nc").write_bytes(b"no study")
-    done = dynabot("report", *options, cwd=place)
+    done = main("report", *options, cwd=place)
     assert done.returncode == 2
     assert message in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert not list(place.rglob("*.csv"))
 
 
-def test_an_unreadable_note_of_the_execution_is_told(dynabot, results):
+def test_an_unreadable_note_of_the_execution_is_told(main, results):
     (results / "execution.json").write_text("{")
-    done = dynabot("report", results)
+    done = main("report", results)
     assert done.returncode == 2
     assert "execution.json" in done.stderr
     assert not (results / "report.html").exists()
 
 
-def test_a_study_of_another_vehicle_has_no_figures_over_time(dynabot, results):
+@pytest.mark.usefixtures("small_report")
+def test_a_study_of_another_vehicle_has_no_figures_over_time(main, results):
     changed = study.load(results / "study.nc").assign_attrs(inputs='{"model": "0", "gains": "0"}')
     study.save(changed, results / "study.nc")
-    assert dynabot("report", results).returncode == 0
+    assert main("report", results).returncode == 0
     assert "the file of its model has changed since the study" in (results / "report.html").read_text(encoding="utf-8")
 
 
@@ -102,9 +108,9 @@ def test_a_study_of_another_vehicle_has_no_figures_over_time(dynabot, results):
         ),
     ],
 )
-def test_a_study_that_was_edited_is_told_in_one_line(dynabot, dataset, tmp_path, change, told):
+def test_a_study_that_was_edited_is_told_in_one_line(main, dataset, tmp_path, change, told):
     study.save(change(dataset), tmp_path / "study.nc")
-    done = dynabot("report", tmp_path)
+    done = main("report", tmp_path)
     assert done.returncode == 2
     assert told in done.stderr
     assert done.stderr.count("\n") == 1

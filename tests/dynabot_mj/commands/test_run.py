@@ -5,16 +5,17 @@ from dynabot_mj import study
 from dynabot_mj.controllers import gains
 
 
-def test_run_prints_one_row_and_reproduces_a_trial_of_a_study(dynabot, tmp_path):
-    dynabot("compare", "--trials", 3, "--duration", 14, "--estimators", "gps", "--out", tmp_path / "study")
+def test_run_prints_one_row_and_reproduces_a_trial_of_a_study(dynabot, main, dataset, tmp_path):
+    (tmp_path / "study").mkdir()
+    study.save(dataset, tmp_path / "study" / "study.nc")
     done = dynabot(
         "run", "--reproduce", f"{tmp_path / 'study'}:rigid/gauss-markov/gps:2", "--json", "--out", tmp_path / "a"
     )
     assert done.returncode == 0, done.stderr
-    fed_back = dynabot("run", "--config", tmp_path / "a" / "study.toml", "--json", "--out", tmp_path / "c")
+    fed_back = main("run", "--config", tmp_path / "a" / "study.toml", "--json", "--out", tmp_path / "c")
     assert fed_back.stdout == done.stdout
     assert (tmp_path / "c" / "study.nc").read_bytes() == (tmp_path / "a" / "study.nc").read_bytes()
-    fresh = dynabot("run", "--estimator", "gps", "--trial", 2, "--duration", 14, "--json", "--out", tmp_path / "b")
+    fresh = main("run", "--estimator", "gps", "--trial", 2, "--duration", 14, "--json", "--out", tmp_path / "b")
     assert done.stdout == fresh.stdout
     row = json.loads(done.stdout)
     assert (row["plant"], row["estimator"], row["trials"]) == ("rigid", "gps", 1)
@@ -22,10 +23,10 @@ def test_run_prints_one_row_and_reproduces_a_trial_of_a_study(dynabot, tmp_path)
     assert (tmp_path / "a" / "trajectories.png").is_file()
 
 
-def test_runs_take_another_ground_load_and_laws(dynabot, tmp_path):
+def test_runs_take_another_ground_load_and_laws(main, tmp_path):
     options = ["--estimator", "gps", "--duration", 3, "--friction", "0.3..0.9", "--slope", 0.05, "--payload", 2]
     options += ["--steering", "heading", "--sensing", "truth", "--gains", "first", "--seed", 4, "--trial", 5]
-    one, again = (dynabot("run", *options, "--json", "--out", tmp_path / name) for name in "ab")
+    one, again = (main("run", *options, "--json", "--out", tmp_path / name) for name in "ab")
     assert one.returncode == 0, one.stderr
     assert one.stdout == again.stdout
     table = tomllib.loads((tmp_path / "a" / "study.toml").read_text())["vehicle"]
@@ -35,38 +36,38 @@ def test_runs_take_another_ground_load_and_laws(dynabot, tmp_path):
     }  # fmt: skip
     # The trial's own friction alone differs in another trial's draw from the same range.
     options[options.index("0.3..0.9")] = "0.3..0.31"
-    assert dynabot("run", *options, "--json", "--out", tmp_path / "c").stdout != one.stdout
+    assert main("run", *options, "--json", "--out", tmp_path / "c").stdout != one.stdout
 
 
-def test_a_trial_is_reproduced_only_with_the_gains_of_its_study(dynabot, tmp_path):
+def test_a_trial_is_reproduced_only_with_the_gains_of_its_study(main, tmp_path):
     gain_file = tmp_path / "mine.toml"
     text = gains.path("first").read_text(encoding="utf-8")
     gain_file.write_text(text, encoding="utf-8")
     options = ["--estimator", "gps", "--duration", 2, "--gains", gain_file]
-    first = dynabot("run", *options, "--json", "--out", tmp_path / "a")
+    first = main("run", *options, "--json", "--out", tmp_path / "a")
     assert first.returncode == 0, first.stderr
     reproduce = ["run", "--reproduce", f"{tmp_path / 'a'}:rigid/gauss-markov/gps:0", "--json", "--out", tmp_path / "b"]
-    assert dynabot(*reproduce).stdout == first.stdout
+    assert main(*reproduce).stdout == first.stdout
     gain_file.write_text(text.replace("hold = 1.5", "hold = 1.6"), encoding="utf-8")
-    done = dynabot(*reproduce)
+    done = main(*reproduce)
     assert done.returncode == 2
     assert done.stderr.startswith(
         f"dynabot: the gains '{gain_file}' of {tmp_path / 'a' / 'study.nc'} has changed since"
     )
     assert len(done.stderr.splitlines()) == 1
     gain_file.unlink()
-    done = dynabot(*reproduce)
+    done = main(*reproduce)
     assert done.returncode == 2
     assert "it must be a gain file or one of" in done.stderr
 
 
-def test_a_study_of_other_versions_is_repeated_with_a_warning(dynabot, dataset, tmp_path):
+def test_a_study_of_other_versions_is_repeated_with_a_warning(main, dataset, tmp_path):
     study.save(dataset.assign_attrs(versions="dynabot-mj 0.0.1"), tmp_path / "study.nc")
-    done = dynabot("run", "--reproduce", f"{tmp_path}:particle/gauss-markov/gps:0", "--out", tmp_path / "a")
+    done = main("run", "--reproduce", f"{tmp_path}:particle/gauss-markov/gps:0", "--out", tmp_path / "a")
     assert done.returncode == 0
     assert done.stderr.startswith("dynabot: that study was run by dynabot-mj 0.0.1, this is dynabot-mj ")
     study.save(dataset, tmp_path / "study.nc")
-    done = dynabot("run", "--reproduce", f"{tmp_path}:particle/gauss-markov/gps:0", "--out", tmp_path / "a")
+    done = main("run", "--reproduce", f"{tmp_path}:particle/gauss-markov/gps:0", "--out", tmp_path / "a")
     assert "that study" not in done.stderr
 
 

@@ -16,6 +16,6 @@ def test_schedule_prints_one_json_document(dynabot):
 
 
 @pytest.mark.parametrize("robots", range(2, 8))
-def test_schedule_serves_every_fleet(dynabot, robots):
-    rows = json.loads(dynabot("schedule", "--json", "--robots", robots).stdout)["rows"]
+def test_schedule_serves_every_fleet(main, robots):
+    rows = json.loads(main("schedule", "--json", "--robots", robots).stdout)["rows"]
     assert rows[0]["period_ms"] < rows[1]["period_ms"] < rows[2]["period_ms"]

@@ -74,7 +74,7 @@ def test_the_whole_is_told_as_tables_json_and_a_figure():
     def run(name, changed):
         ran.append(name)
         # Long runs are not needed here.
-        return study.run(replace(changed, duration=2.0))
+        return study.run(replace(changed, duration=1.0))
 
     found = sensitivity.examine(setup, run)
     assert ran == [one.name for one in sensitivity.readings(setup)]
