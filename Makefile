@@ -18,7 +18,7 @@ test: $(VENV)/.installed browser graphics
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
-	OMP_NUM_THREADS=1 $(BIN)/pytest -n auto
+	OMP_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadfile
 
 # A real browser for the test of the report, which is skipped without one.
 browser:

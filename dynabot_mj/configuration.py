@@ -41,7 +41,7 @@ _FAR = 300.0
 # In place of defaults that follow from others, or are zero [s], [m], [kg].
 _USUAL = {"sample_period": 2.0 / _FAR, "control_period": 2.0 / _FAR, "neighbour_range": 10.0, "mass": 12.0}
 _USUAL["payload"] = 100.0 / _FAR
-_NEVER_TINY = ("mass", "spacing", "distance", "collision_distance", "neighbour_range")
+_NEVER_TINY = ("mass", "field.spacing", "field.neighbour_range", "start.distance")
 _NONE: Mapping[str, Any] = {}
 # Tables of the options that are not top-level keys.
 TABLES = {"utilisation": "processor", "headings": "start", "implementation": "filter"} | {
@@ -231,17 +231,17 @@ def _check_sizes(tree: Mapping[str, Any], defaults: Mapping[str, Any], prefix: s
         if isinstance(value, dict):
             _check_sizes(value, default, f"{name}.")
         elif isinstance(value, float) and value < math.inf:
-            least, most = _sizes(key, default)
+            least, most = _sizes(name, default)
             if not least <= value <= most:
                 unit = f" {UNITS[key]}" if key in UNITS else ", in SI units"
                 bound, factor = (f"at most {most:g}", 1e-3) if value > most else (f"at least {least:g}", 1e3)
                 raise InputError(f"{name} = {value:g} given, it must be {bound}{unit}; is {factor * value:g} meant?")
 
 
-def _sizes(key: str, default: Any) -> tuple[float, float]:
+def _sizes(name: str, default: Any) -> tuple[float, float]:
     """Returns the smallest and the largest value that is no mistake of its unit; errors may be as small as you like."""
-    usual = default if isinstance(default, float) and default > 0.0 else _USUAL.get(key, math.inf)
-    least = usual / _FAR if key in _NEVER_TINY and usual < math.inf else -math.inf
+    usual = default if isinstance(default, float) and default > 0.0 else _USUAL.get(name.rpartition(".")[2], math.inf)
+    least = usual / _FAR if name in _NEVER_TINY and usual < math.inf else -math.inf
     return least, _FAR * usual
 
 

@@ -40,19 +40,19 @@ def test_another_place_may_be_chosen_and_the_document_says_where(main, results, 
     assert not (results / "report.html").exists()
 
 
-def test_a_page_goes_with_its_study_and_never_over_tables_of_the_user(dynabot, tmp_path):
+def test_a_page_goes_with_its_study_and_never_over_tables_of_the_user(main, small_report, tmp_path):
     line = ["compare", "--trials", 1, "--duration", 2, "--plants", "particle", "--estimators", "gps"]
     place = tmp_path / "out" / "compare"
-    dynabot(*line, cwd=tmp_path)
+    main(*line, cwd=tmp_path)
     (place / "tables").mkdir()
     (place / "tables" / "mine.csv").write_text("mine")
-    refused = dynabot("report", "out/compare", cwd=tmp_path)
+    refused = main("report", "out/compare", cwd=tmp_path)
     assert refused.returncode == 2
     assert "mine.csv is in the place of our results and none of them" in refused.stderr
     (place / "tables" / "mine.csv").rename(tmp_path / "mine.csv")
-    assert dynabot("report", "out/compare", cwd=tmp_path).returncode == 0
+    assert main("report", "out/compare", cwd=tmp_path).returncode == 0
     assert (place / "tables" / "cases.csv").is_file()
-    dynabot(*line, "--seed", 1, cwd=tmp_path)
+    main(*line, "--seed", 1, cwd=tmp_path)
     assert not (place / "report.html").exists()
     assert not (place / "tables").exists()
 

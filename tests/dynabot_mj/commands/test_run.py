@@ -71,7 +71,7 @@ def test_a_study_of_other_versions_is_repeated_with_a_warning(main, dataset, tmp
     assert "that study" not in done.stderr
 
 
-def test_a_trial_with_a_law_of_the_user_is_reproduced_from_another_folder(dynabot, tmp_path):
+def test_a_trial_with_a_law_of_the_user_is_reproduced_from_another_folder(main, dynabot, tmp_path):
     home, elsewhere = tmp_path / "home", tmp_path / "elsewhere"
     home.mkdir()
     elsewhere.mkdir()
@@ -87,11 +87,11 @@ def test_a_trial_with_a_law_of_the_user_is_reproduced_from_another_folder(dynabo
         "resting_law:law",
         "--json",
     ]
-    first = dynabot("run", *options, cwd=home)
+    first = main("run", *options, cwd=home)
     assert first.returncode == 0, first.stderr
     case = f"{home / 'out' / 'run'}:particle/gauss-markov/gps:0"
     assert dynabot("run", "--reproduce", case, "--json", cwd=elsewhere).stdout == first.stdout
     (home / "resting_law.py").write_text("def law(known):\n    return 1.0 + 0.0 * known.position_w\n", encoding="utf-8")
-    changed = dynabot("run", "--reproduce", case, cwd=elsewhere)
+    changed = main("run", "--reproduce", case, cwd=elsewhere)
     assert changed.returncode == 2
     assert "has changed since that study" in changed.stderr
