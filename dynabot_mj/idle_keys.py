@@ -1,10 +1,9 @@
 """Which keys of a configuration do nothing in its study: whoever sets one of them expected something else."""
 
-from collections.abc import Iterator, Mapping
 from dataclasses import asdict
-from typing import Any
 
 from dynabot_mj.scenario import Scenario
+from dynabot_mj.validation import flat
 
 _TYRES = "the study has point masses alone, which have no tyres, motors or local laws"
 _OF_BODIES = ("friction", "slope", "steering", "sensing", "gains")  # model and payload give point masses their mass
@@ -36,18 +35,10 @@ def idle(setup: Scenario) -> dict[str, str]:
 
 def changed(setup: Scenario) -> dict[str, str]:
     """Returns those that are set to something else than their default, and why they do nothing."""
-    defaults = dict(_flat(asdict(Scenario())))
-    different = [key for key, value in _flat(asdict(setup)) if value != defaults[key]]
+    defaults = dict(flat(asdict(Scenario())))
+    different = [key for key, value in flat(asdict(setup)) if value != defaults[key]]
     return {
         name: why
         for name, why in idle(setup).items()
         if any(key == name or key.startswith(f"{name}.") for key in different)
     }
-
-
-def _flat(tree: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in tree.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value

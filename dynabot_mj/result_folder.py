@@ -16,6 +16,7 @@ from typing import Any
 
 from dynabot_mj import files
 from dynabot_mj.errors import InputError
+from dynabot_mj.validation import flat
 
 WAIT = 10.0  # for another command that works in the folder [s]
 
@@ -164,18 +165,10 @@ def difference(earlier: Contents, contents: Contents) -> dict[str, tuple[Any, An
     """Returns in what two differ, by dotted name; empty where they are alike."""
     if earlier.command != contents.command:
         return {"command": (earlier.command, contents.command)}
-    there, here = (dict(_flat(json.loads(json.dumps(one.options)))) for one in (earlier, contents))
+    there, here = (dict(flat(json.loads(json.dumps(one.options)))) for one in (earlier, contents))
     names = [*here, *(name for name in there if name not in here)]
     found = {name: (there.get(name, "none"), here.get(name, "none")) for name in names}
     return {name: (one, other) for name, (one, other) in found.items() if one != other}
-
-
-def _flat(tree: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in tree.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
 
 
 def _any_matches(name: str, patterns: Sequence[str]) -> bool:
