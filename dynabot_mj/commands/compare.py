@@ -113,8 +113,7 @@ def _sensitivity(options: argparse.Namespace) -> None:
             parts.mkdir(parents=True, exist_ok=True)
             return studies.run(changed, parts, options, name, notes=changed is setup)[0]
 
-        with studies.telling_kept(options, lambda: kept(folder.path)):
-            found = sensitivity.examine(setup, run)
+        found = sensitivity.examine(setup, run)
         document, text = sensitivity.document(found), sensitivity.markdown(found)
         with results.report(options, folder, "sensitivity", document, text) as stage:
             (stage / "study.toml").write_text(configuration.dump(setup), encoding="utf-8")

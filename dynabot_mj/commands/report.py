@@ -41,7 +41,8 @@ def report(options: argparse.Namespace) -> None:
     files.require_writable(folder)
     with result_folder.locked(folder):
         result_folder.require_ours(folder, f"{tables}/*.csv")
-        files.require_writable(folder / tables)
+        if (folder / tables).exists():
+            files.require_writable(folder / tables)
 
         from dynabot_mj.report import contents, material
 
@@ -51,6 +52,7 @@ def report(options: argparse.Namespace) -> None:
             made = contents.build(gathered)
         content = made.html.encode()
         with files.uninterrupted():
+            files.require_writable(folder / tables)
             for name, text in made.tables.items():
                 files.write(folder / tables / name, text.encode())
             files.write(page, content)

@@ -22,8 +22,8 @@ def run(options: argparse.Namespace) -> None:
     from dynabot_mj.experiments import case_rows, single_trial
 
     setup = trials.chosen(options)
-    with studies.opened(options, "run", setup, _FILES) as folder:
-        study, wall_s = studies.run(setup, folder.path, options, "run")
+    with studies.opened(options, "run", setup, _FILES, kept=lambda folder: "") as folder:
+        study, wall_s = studies.run(setup, None, options, "run")
         case = study.isel(case=0)
         row = asdict(case_rows.row(case))
         places = case.final_position_w.isel(trial=0).values

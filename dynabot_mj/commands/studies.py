@@ -77,7 +77,9 @@ def _look_for_idle(options: argparse.Namespace, setup: Any, typed: Mapping[str, 
 def opened(
     options: argparse.Namespace, name: str, setup: Any, names: Sequence[str], kept: Callable[[Path], str] | None = None
 ) -> Iterator[ResultFolder]:
-    """Opens the folder of a study's results, and says what `--resume` finds there; see `results.opened`.
+    """Opens the folder of a study's results; says which parts are there to resume, and which an early end leaves.
+
+    See `results.opened`.
 
     Args:
         options: The command's.
@@ -92,7 +94,11 @@ def opened(
     with results.opened(options, name, execution.depends_on(setup), (*_FILES, *names), told) as folder:
         if options.resume and (found := told(folder.path)):
             print(f"note: {found}", file=sys.stderr)
-        yield folder
+        try:
+            yield folder
+        except BaseException:  # the command's last line tells what outlives it
+            options.kept = told(folder.path)
+            raise
 
 
 def again(options: argparse.Namespace, folder: ResultFolder, document: str, text: str) -> bool:
@@ -138,12 +144,14 @@ def obtain(setup: Any, folder: ResultFolder, options: argparse.Namespace, title:
     return run(setup, folder.path, options, title)
 
 
-def run(setup: Any, folder: Path, options: argparse.Namespace, title: str, *, notes: bool = True) -> tuple[Any, float]:
+def run(
+    setup: Any, folder: Path | None, options: argparse.Namespace, title: str, *, notes: bool = True
+) -> tuple[Any, float]:
     """Runs a study with progress; its finished chunks outlive an interruption.
 
     Args:
         setup: Its configuration.
-        folder: Which the chunks are kept in until it is complete.
+        folder: Which the chunks are kept in until it is complete; None: nowhere.
         options: How it is executed.
         title: Of the progress.
         notes: Whether to say what rounding does to the load.
@@ -160,22 +168,12 @@ def run(setup: Any, folder: Path, options: argparse.Namespace, title: str, *, no
         workers=options.workers,
         threads=options.threads,
         scheduler=options.scheduler,
-        chunks=folder / _CHUNKS,
+        chunks=folder / _CHUNKS if folder else None,
         resume=options.resume,
     )
-    with telling_kept(options, lambda: told_kept([(setup, folder)])), progress.shown(title) as tell:
+    with progress.shown(title) as tell:
         dataset = study.run(setup, how, tell)
     return dataset, time.monotonic() - start
-
-
-@contextlib.contextmanager
-def telling_kept(options: argparse.Namespace, kept: Callable[[], str]) -> Iterator[None]:
-    """Lets the command's last line tell what outlives whatever ends a study."""
-    try:
-        yield
-    except BaseException:
-        options.kept = kept()
-        raise
 
 
 def told_kept(studies: Sequence[tuple[Any, Path]]) -> str:
