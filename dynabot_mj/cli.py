@@ -80,11 +80,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"dynabot: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt as end:
-        number = end.number if isinstance(end, _EndedError) else signal.SIGINT
-        how = "interrupted" if number == signal.SIGINT else f"ended by {signal.Signals(number).name}"
-        kept = getattr(options, "kept", "")  # of a study
-        print(f"dynabot: {how}" + f"; {kept}, --resume continues from them" * bool(kept), file=sys.stderr)
-        return 128 + number
+        return _ended(end, options)
     except BrokenPipeError:
         # Whoever read our output has gone, e.g. `dynabot compare | head`.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -94,6 +90,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"dynabot: {error}" + f"; {kept}" * bool(kept), file=sys.stderr)
         # A name that the system cannot have is the input's fault.
         return 2 if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG else 1
+    except ImportError as error:
+        # Libraries that are interrupted while they are imported say that they cannot be.
+        causes: BaseException | None = error
+        while causes is not None and not isinstance(causes, KeyboardInterrupt):
+            causes = causes.__cause__ or causes.__context__
+        if causes is None:
+            raise
+        return _ended(causes, options)
     return 0
 
 
@@ -106,6 +110,15 @@ def _judge_processes(options: argparse.Namespace) -> None:
         options.workers = parsers.cores()
     elif getattr(options, "scheduler", None) is not None:
         raise InputError(f"--workers {options.workers} given with --scheduler, whose cluster has its own")
+
+
+def _ended(end: KeyboardInterrupt, options: argparse.Namespace) -> int:
+    """Says that a command was ended, and returns its exit code."""
+    number = end.number if isinstance(end, _EndedError) else signal.SIGINT
+    how = "interrupted" if number == signal.SIGINT else f"ended by {signal.Signals(number).name}"
+    kept = getattr(options, "kept", "")  # of a study
+    print(f"dynabot: {how}" + f"; {kept}, --resume continues from them" * bool(kept), file=sys.stderr)
+    return 128 + number
 
 
 class _EndedError(KeyboardInterrupt):

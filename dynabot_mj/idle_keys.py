@@ -3,7 +3,7 @@
 from dataclasses import asdict
 
 from dynabot_mj.scenario import Scenario
-from dynabot_mj.validation import flat
+from dynabot_mj.trees import flat
 
 _TYRES = "the study has point masses alone, which have no tyres, motors or local laws"
 _OF_BODIES = ("friction", "slope", "steering", "sensing", "gains")  # model and payload give point masses their mass

@@ -16,7 +16,7 @@ from typing import Any
 
 from dynabot_mj import files
 from dynabot_mj.errors import InputError
-from dynabot_mj.validation import flat
+from dynabot_mj.trees import flat
 
 WAIT = 10.0  # for another command that works in the folder [s]
 

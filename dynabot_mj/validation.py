@@ -1,7 +1,6 @@
-"""Types of the configuration's values, as pydantic checks them; their units; their names."""
+"""Types of the configuration's values, as pydantic checks them; their units."""
 
-from collections.abc import Iterator, Mapping
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import ConfigDict, Field
 
@@ -22,12 +21,3 @@ UNITS = {
     "message_bytes": "bytes",
 }
 STRICT = ConfigDict(extra="forbid", strict=True)
-
-
-def flat(tree: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yields the values of a tree by dotted name, as `radio.message_bytes`."""
-    for key, value in tree.items():
-        if isinstance(value, dict):
-            yield from flat(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value

@@ -11,6 +11,7 @@ import time
 import pytest
 
 import dynabot_mj
+from dynabot_mj import cli
 
 NONSENSE = [
     (["compare", "--robots", "0"], "--robots 0: input should be greater than or equal to 2"),
@@ -157,6 +158,18 @@ def test_ctrl_c_while_the_workers_start_is_one_line(started, delay, tmp_path):
     assert re.fullmatch(r"dynabot: interrupted(; kept \d+ of \d+ parts, --resume continues from them)?", told)
 
 
+def test_an_interrupted_import_is_an_interruption(main, monkeypatch):
+    def interrupted(commands):
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            raise ImportError("initialization failed") from error
+
+    monkeypatch.setattr(cli.compare, "add", interrupted)
+    done = main("compare")
+    assert (done.returncode, done.stderr) == (130, "dynabot: interrupted\n")
+
+
 def test_importing_the_package_imports_nothing_heavy():
     code = "import sys, dynabot_mj; sys.exit(any(name in sys.modules for name in ('numpy', 'mujoco', 'matplotlib')))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
@@ -166,7 +179,7 @@ def test_commands_import_what_is_heavy_only_when_they_need_it():
     code = (
         "import sys\n"
         "from dynabot_mj import cli\n"
-        "assert not {'numpy', 'mujoco', 'matplotlib'} & set(sys.modules)\n"
+        "assert not {'numpy', 'mujoco', 'matplotlib', 'pydantic'} & set(sys.modules)\n"
         "assert cli.main(['schedule']) == 0\n"
         "assert 'matplotlib' not in sys.modules\n"
     )
