@@ -7,9 +7,8 @@ broadcast against pairs, and pairs summed over an axis of two: NumPy takes longe
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from dynabot_mj.controllers.arrays import Array
 
 
 class Axes(NamedTuple):

@@ -6,13 +6,8 @@ this form can take its place, in the study and in the environment alike.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
 
-import numpy as np
-import numpy.typing as npt
-
-Array: TypeAlias = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
+from dynabot_mj.controllers.arrays import Array, BoolArray
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,12 +12,8 @@ slippery ground a robot slides for seconds:
 import math
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
+from dynabot_mj.controllers.arrays import Array
 from dynabot_mj.controllers.axes import Axes, dot
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,16 +20,14 @@ from typing import Any
 
 import casadi
 import numpy as np
-import numpy.typing as npt
 
+from dynabot_mj.controllers.arrays import Array
 from dynabot_mj.controllers.traction import SIDES
-from dynabot_mj.controllers.vehicle import Vehicle
+from dynabot_mj.controllers.vehicle import GRAVITY, Vehicle
 
-Array = npt.NDArray[np.float64]
 Symbol = Any  # casadi.SX or casadi.MX
 
 STATES = 10
-GRAVITY = 9.81  # [m/s^2]
 STEP = 0.006  # longest step of the integration [s]; the smoothed friction would make a longer one unstable
 
 _FRONT = np.array([1.0, 1.0, -1.0, -1.0])  # whether a wheel is in front

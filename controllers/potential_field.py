@@ -17,10 +17,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
+from dynabot_mj.controllers.arrays import Array, BoolArray
 
 
 @dataclass(frozen=True, kw_only=True)

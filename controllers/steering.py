@@ -36,11 +36,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
+from dynabot_mj.controllers.arrays import Array
 from dynabot_mj.controllers.axes import Axes, dot
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

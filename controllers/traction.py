@@ -16,13 +16,11 @@ the slip limit keeps near the ground's.
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from dynabot_mj.controllers.arrays import Array
 from dynabot_mj.controllers.axes import components_last
 from dynabot_mj.controllers.steering import Motion
 from dynabot_mj.controllers.vehicle import Vehicle
-
-Array = npt.NDArray[np.float64]
 
 # Front left, front right, rear left, rear right: how a yaw rate to the left moves each wheel.
 SIDES = np.array([-1.0, 1.0, -1.0, 1.0])

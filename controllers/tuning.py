@@ -20,15 +20,14 @@ from typing import Any
 
 import casadi
 import numpy as np
-import numpy.typing as npt
 
 from dynabot_mj.controllers import planar_model
+from dynabot_mj.controllers.arrays import Array
 from dynabot_mj.controllers.gains import Gains
 from dynabot_mj.controllers.steering import HandPoint, Heading
 from dynabot_mj.controllers.traction import SIDES, Traction
 from dynabot_mj.controllers.vehicle import Vehicle
 
-Array = npt.NDArray[np.float64]
 Symbol = Any  # casadi.SX or casadi.MX
 Progress = Callable[[int, float], None]  # told the iteration and its cost
 

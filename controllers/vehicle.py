@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass
 
+GRAVITY = 9.81  # [m/s^2]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Vehicle:
-    """Geometry, inertia, motors and limits, filled from the compiled model by `dynabot_mj.scene`."""
+    """Geometry, inertia, motors and limits, filled from the compiled model by `dynabot_mj.plants.scene`."""
 
     mass: float  # total, with the payload [kg]
     yaw_inertia: float  # of the whole vehicle about the vertical through its centre of mass [kg m^2]

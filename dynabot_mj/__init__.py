@@ -1,6 +1,6 @@
 """Formation control under limited computation and communication, with point-mass and rigid-body robots.
 
-Importing the package imports nothing heavy; start from `dynabot_mj.scenario` and `dynabot_mj.study`.
+Importing the package imports nothing heavy; start from `dynabot_mj.study`.
 """
 
 from pathlib import Path as _Path

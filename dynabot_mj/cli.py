@@ -15,7 +15,7 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-from dynabot_mj import __version__, errors, opengl
+from dynabot_mj import __version__
 from dynabot_mj.commands import (
     benchmark,
     circle,
@@ -32,7 +32,9 @@ from dynabot_mj.commands import (
     video,
     view,
 )
-from dynabot_mj.errors import DynabotError, InputError
+from dynabot_mj.common import exceptions
+from dynabot_mj.common.exceptions import DynabotError, InputError
+from dynabot_mj.host import opengl
 
 # In the order of the help.
 _COMMANDS = (compare, run, video, view, report, circle, estimate, drive, tune, track, schedule, benchmark, doctor)
@@ -49,13 +51,13 @@ class _Parser(argparse.ArgumentParser):
         found, unknown = super().parse_known_args(args, namespace)
         if unknown:
             options = [name for action in self._actions for name in action.option_strings]
-            self.error(f"unrecognized arguments: {' '.join(unknown)}{errors.suggestion(unknown[0], options)}")
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{exceptions.suggestion(unknown[0], options)}")
         return found, unknown
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
             choices = [str(one) for one in action.choices]
-            hint = errors.suggestion(str(value), choices)
+            hint = exceptions.suggestion(str(value), choices)
             raise argparse.ArgumentError(
                 action, f"invalid choice: {value!r}{hint} (choose from {', '.join(map(repr, choices))})"
             )

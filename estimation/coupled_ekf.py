@@ -5,9 +5,9 @@ correlation time. So a first fix starts both with their full, opposite correlati
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from dynabot_mj.estimation import kalman, motion
+from dynabot_mj.estimation.arrays import Array, BoolArray
 from dynabot_mj.estimation.estimator import Rows
 from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample, rotation, wrap
@@ -21,9 +21,6 @@ from dynabot_mj.estimation.motion import (
     YAW_RATE_BIAS,
 )
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
-
-Array = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 
 class CoupledEkf:

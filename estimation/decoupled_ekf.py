@@ -12,18 +12,15 @@ correlated over tau_v seconds, in the motion of the position, where its variance
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from dynabot_mj.estimation import kalman
+from dynabot_mj.estimation.arrays import Array, BoolArray
 from dynabot_mj.estimation.estimator import Rows
 from dynabot_mj.estimation.heading_filter import HeadingFilter
 from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample, rotation
 from dynabot_mj.estimation.motion import HEADING, STATES, YAW_RATE_BIAS, left, turned
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
-
-Array = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 # The sub-filters by the names of `dynabot_mj.estimation.motion.NAMES`.
 GROUPS = (("X", "b_x"), ("Y", "b_y"), ("v_x", "v_y", "b_ax", "b_ay"), ("phi", "b_r"))

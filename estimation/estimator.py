@@ -11,12 +11,11 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from dynabot_mj.estimation.arrays import Array, BoolArray
 from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import Estimate, GpsFix, ImuSample
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 
-Array = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.intp] | slice  # which of a filter's robots are meant
 
 

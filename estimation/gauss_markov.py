@@ -10,10 +10,7 @@ sigma is the deviation per axis or of the planar distance; both are the caller's
 import math
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
-Array = npt.NDArray[np.float64]
+from dynabot_mj.estimation.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,16 +6,13 @@ and a two-state filter has the heading. There is no gate: whatever the receiver 
 """
 
 import numpy as np
-import numpy.typing as npt
 
+from dynabot_mj.estimation.arrays import Array, BoolArray
 from dynabot_mj.estimation.estimator import Rows
 from dynabot_mj.estimation.heading_filter import HeadingFilter
 from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
-
-Array = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 
 class GpsExtrapolation:

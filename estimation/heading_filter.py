@@ -4,15 +4,13 @@ phi' = phi + T (w - b_r),        b_r' = b_r,        z = phi (a bearing, its inno
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from dynabot_mj.estimation import kalman
+from dynabot_mj.estimation.arrays import Array
 from dynabot_mj.estimation.estimator import Rows
 from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import ImuSample, wrap
 from dynabot_mj.estimation.parameters import Parameters
-
-Array = npt.NDArray[np.float64]
 
 
 class HeadingFilter:

@@ -11,11 +11,9 @@ import functools
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy import special
 
-Array = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
+from dynabot_mj.estimation.arrays import Array, BoolArray
 
 
 @dataclass(frozen=True, kw_only=True)

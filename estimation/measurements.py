@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
+from dynabot_mj.estimation.arrays import Array, BoolArray
+
 Chosen = int | npt.NDArray[np.intp] | BoolArray
 
 

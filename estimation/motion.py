@@ -24,12 +24,10 @@ A magnetic bearing sees phi; its innovation is wrapped.
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from dynabot_mj.estimation.arrays import Array
 from dynabot_mj.estimation.measurements import ImuSample, rotation
 from dynabot_mj.estimation.parameters import Parameters
-
-Array = npt.NDArray[np.float64]
 
 # Where the parts of x are.
 POSITION, VELOCITY, HEADING = slice(0, 2), slice(2, 4), 4

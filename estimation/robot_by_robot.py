@@ -4,14 +4,11 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
+from dynabot_mj.estimation.arrays import Array, BoolArray
 from dynabot_mj.estimation.estimator import Rows
 from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample
-
-Array = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 
 class Robot(Protocol):

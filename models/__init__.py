@@ -1,7 +1,7 @@
 """MJCF of the robot and of the field it drives on.
 
 The numbers of the vehicle (mass, geometry, friction, motor constants) are stated in these files and nowhere else;
-`dynabot_mj.scene` reads them back from the compiled model.
+`dynabot_mj.plants.scene` reads them back from the compiled model.
 """
 
 from pathlib import Path

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from dynabot_mj.commands import parsers, results
-from dynabot_mj.errors import InputError
+from dynabot_mj.common.exceptions import InputError
 
 _SIZES = {"filters": (300, 40), "environment": (3, 5), "video": (3, 90)}  # robots, repetitions
 
@@ -21,7 +21,7 @@ def add(commands: parsers.Commands) -> None:
 
 def benchmark(options: argparse.Namespace) -> None:
     """What the estimators cost, in time and operations; the environment, against mj_step alone; or films."""
-    from dynabot_mj import progress
+    from dynabot_mj.host import progress
 
     for name, default in zip(("robots", "repetitions"), _SIZES[options.subject], strict=True):
         if getattr(options, name) is None:
@@ -37,21 +37,21 @@ def benchmark(options: argparse.Namespace) -> None:
 
 
 def _filters(robots: int, repetitions: int, tell: Callable[[float], None]) -> tuple[Any, str]:
-    from dynabot_mj.experiments import benchmark as experiment
+    from dynabot_mj.experiments.estimators import benchmark as experiment
 
     report = experiment.filters(robots, repetitions, tell)
     return experiment.document(report), experiment.markdown(report)
 
 
 def _environment(robots: int, repetitions: int, tell: Callable[[float], None]) -> tuple[Any, str]:
-    from dynabot_mj.experiments import benchmark_environment as experiment
+    from dynabot_mj.environment import benchmark as experiment
 
     rows = experiment.run(robots, repetitions, tell)
     return experiment.document(rows, robots, repetitions), experiment.markdown(rows, robots, repetitions)
 
 
 def _video(robots: int, repetitions: int, tell: Callable[[float], None]) -> tuple[Any, str]:
-    from dynabot_mj.video import benchmark as experiment
+    from dynabot_mj.film import benchmark as experiment
 
     rows = experiment.run(robots, repetitions, tell)
     return experiment.document(rows, robots, repetitions), experiment.markdown(rows, robots, repetitions)

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from dynabot_mj.commands import parsers, results
-from dynabot_mj.errors import InputError
+from dynabot_mj.common.exceptions import InputError
 
 _FILES = ("circle.json", "circle.md", "circle.toml", "fig_3.png", "errors.png")
 _CHECKS = ("grouping", "consistency", "faults")
@@ -13,8 +13,8 @@ _CHECKS = ("grouping", "consistency", "faults")
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    from dynabot_mj.experiments.circle import PLANTS
-    from dynabot_mj.experiments.kinematic import PATHS
+    from dynabot_mj.experiments.estimators.circle import PLANTS
+    from dynabot_mj.experiments.estimators.kinematic import PATHS
 
     command = parsers.command(commands, circle, parsers.shared())
     command.add_argument(
@@ -44,10 +44,13 @@ def circle(options: argparse.Namespace) -> None:
         if getattr(options, check):
             _check(options, check)
             return
-    from dynabot_mj import configuration, estimation_figures, log_files, logs, progress
-    from dynabot_mj.experiments import circle as experiment
-    from dynabot_mj.experiments import circle_report
-    from dynabot_mj.figures import save
+    from dynabot_mj.experiments.estimators import circle as experiment
+    from dynabot_mj.experiments.estimators import circle_report
+    from dynabot_mj.figures import circle
+    from dynabot_mj.figures.style import save
+    from dynabot_mj.host import progress
+    from dynabot_mj.sensing.logs import files, log
+    from dynabot_mj.study import configuration
 
     request = experiment.request(
         configuration.read(options.config) if options.config else {},
@@ -55,7 +58,7 @@ def circle(options: argparse.Namespace) -> None:
         **{name: getattr(options, name) for name in ("runs", "seed", "duration", "period", "plant", "path")},
     )
     if options.log:
-        log_files.require_writable(options.log)
+        files.require_writable(options.log)
     with results.opened(options, "circle", asdict(request), _FILES) as folder:
         with progress.shown("circle") as tell:
             outcome = experiment.run(request, tell)
@@ -63,16 +66,16 @@ def circle(options: argparse.Namespace) -> None:
         note = f"; the first run's samples are {options.log}" if options.log else ""
         with results.report(options, folder, "circle", document, text, note) as stage:
             (stage / "circle.toml").write_text(experiment.dump(request), encoding="utf-8")
-            save(estimation_figures.paths(outcome), stage / "fig_3.png")
-            save(estimation_figures.errors(outcome), stage / "errors.png")
+            save(circle.paths(outcome), stage / "fig_3.png")
+            save(circle.errors(outcome), stage / "errors.png")
             if options.log:
                 first = outcome.example
-                logs.write(options.log, logs.from_run(first.samples, first.truth, 0, request.sensors.wheels))
+                log.write(options.log, log.from_run(first.samples, first.truth, 0, request.sensors.wheels))
 
 
 def _check(options: argparse.Namespace, name: str) -> None:
     """Runs one of the checks of the filters, which have the kinematic circle and sensors of their own."""
-    from dynabot_mj.experiments import consistency, consistency_report, faults, faults_report, grouping
+    from dynabot_mj.experiments.estimators import consistency, consistency_report, faults, faults_report, grouping
 
     for other in ("config", "duration", "period", "plant", "path", "log"):
         if getattr(options, other) is not None:

@@ -22,7 +22,7 @@ _READINGS = ".readings"  # folder of the finished parts of a sensitivity study, 
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    from dynabot_mj.scenario import ESTIMATORS, PERCEPTIONS, PLANTS
+    from dynabot_mj.study.scenario import ESTIMATORS, PERCEPTIONS, PLANTS
 
     command = parsers.command(commands, compare, parsers.study(), parsers.execution())
     command.add_argument("--trials", type=int, help="trials of each case (default 100)")
@@ -47,8 +47,8 @@ def compare(options: argparse.Namespace) -> None:
     if options.sensitivity:
         _sensitivity(options)
         return
-    from dynabot_mj.experiments import compare as experiment
-    from dynabot_mj.experiments import compare_tables, in_loop
+    from dynabot_mj.experiments.formation import compare as experiment
+    from dynabot_mj.experiments.formation import compare_tables, in_loop
 
     setup = _setup(options)
     with studies.opened(options, "compare", setup, _FILES) as folder:
@@ -69,20 +69,20 @@ def compare(options: argparse.Namespace) -> None:
 
 def _draw(comparison: Any, stage: Path) -> None:
     """Draws the figures of a comparison."""
-    from dynabot_mj import figures, study_figures
+    from dynabot_mj.figures import compare, distributions, style
 
     study = comparison.study
-    if (errors := figures.errors(study)) is not None:
-        figures.save(errors, stage / "errors.png")
-    figures.save(figures.table_iii(comparison), stage / "table_iii.png")
-    figures.save(figures.outcomes(comparison), stage / "outcomes.png")
-    if (incidence := study_figures.incidence(study)) is not None:
-        figures.save(incidence, stage / "incidence.png")
+    if (errors := compare.errors(study)) is not None:
+        style.save(errors, stage / "errors.png")
+    style.save(compare.table_iii(comparison), stage / "table_iii.png")
+    style.save(compare.outcomes(comparison), stage / "outcomes.png")
+    if (incidence := distributions.incidence(study)) is not None:
+        style.save(incidence, stage / "incidence.png")
     shown = list(dict.fromkeys(zip(study.estimator.values, study.perception.values, strict=True)))
     for estimator, perception in shown:
         several = sum(name == estimator for name, _ in shown) > 1
         name = f"trajectories_{estimator}_{perception}" if several else f"trajectories_{estimator}"
-        figures.save(figures.trajectories(study, estimator, perception), stage / f"{name}.png")
+        style.save(compare.trajectories(study, estimator, perception), stage / f"{name}.png")
 
 
 def _setup(options: argparse.Namespace) -> Any:
@@ -91,8 +91,10 @@ def _setup(options: argparse.Namespace) -> Any:
 
 def _sensitivity(options: argparse.Namespace) -> None:
     """Runs the study once for each reading."""
-    from dynabot_mj import configuration, figures, sensitivity_figure
-    from dynabot_mj.experiments import sensitivity
+    from dynabot_mj.experiments.formation import sensitivity
+    from dynabot_mj.figures import sensitivity as sensitivity_figure
+    from dynabot_mj.figures import style
+    from dynabot_mj.study import configuration
 
     setup = sensitivity.prepared(_setup(options))
 
@@ -117,5 +119,5 @@ def _sensitivity(options: argparse.Namespace) -> None:
         document, text = sensitivity.document(found), sensitivity.markdown(found)
         with results.report(options, folder, "sensitivity", document, text) as stage:
             (stage / "study.toml").write_text(configuration.dump(setup), encoding="utf-8")
-            figures.save(sensitivity_figure.sensitivity(found), stage / "sensitivity.png")
+            style.save(sensitivity_figure.sensitivity(found), stage / "sensitivity.png")
         shutil.rmtree(folder.path / _READINGS)

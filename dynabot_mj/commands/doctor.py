@@ -3,7 +3,7 @@
 import argparse
 
 from dynabot_mj.commands import parsers, results
-from dynabot_mj.errors import DynabotError
+from dynabot_mj.common.exceptions import DynabotError
 
 
 def add(commands: parsers.Commands) -> None:
@@ -13,7 +13,7 @@ def add(commands: parsers.Commands) -> None:
 
 def doctor(options: argparse.Namespace) -> None:
     """What works on this machine: OpenGL, video encoder, versions; and how to mend what does not."""
-    from dynabot_mj import doctor as examination
+    from dynabot_mj.host import doctor as examination
 
     checks = examination.examine(parsers.cores(), options.figures_asked)
     results.show(options, examination.document(checks), examination.text(checks))

@@ -14,10 +14,10 @@ def add(commands: parsers.Commands) -> None:
 
 def drive(options: argparse.Namespace) -> None:
     """Acceptance drive of the rigid robot, its motors commanded directly."""
-    from dynabot_mj import vehicle_figures
-    from dynabot_mj.experiments import drive as experiment
-    from dynabot_mj.experiments import drive_report
-    from dynabot_mj.figures import save
+    from dynabot_mj.experiments.vehicle import drive as experiment
+    from dynabot_mj.experiments.vehicle import drive_report
+    from dynabot_mj.figures import vehicle
+    from dynabot_mj.figures.style import save
 
     conditions = parsers.conditions(options)
     depends_on = {**asdict(conditions), "step_sizes": options.step_sizes}
@@ -29,4 +29,4 @@ def drive(options: argparse.Namespace) -> None:
             document["step_sizes"] = drive_report.step_document(found)
             text += f"\n{drive_report.step_table(found)}"
         with results.report(options, folder, "drive", document, text) as stage:
-            save(vehicle_figures.acceptance_drive(report), stage / "drive.png")
+            save(vehicle.acceptance_drive(report), stage / "drive.png")

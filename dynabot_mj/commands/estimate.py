@@ -26,11 +26,14 @@ def add(commands: parsers.Commands) -> None:
 
 def estimate(options: argparse.Namespace) -> None:
     """Runs estimators over a recorded log of sensor samples."""
-    from dynabot_mj import configuration, logs, progress, replay_figures
     from dynabot_mj.estimation.build import NAMES
-    from dynabot_mj.experiments import circle
-    from dynabot_mj.experiments import estimate as experiment
-    from dynabot_mj.figures import save
+    from dynabot_mj.experiments.estimators import circle
+    from dynabot_mj.experiments.estimators import estimate as experiment
+    from dynabot_mj.figures import log as replay_figures
+    from dynabot_mj.figures.style import save
+    from dynabot_mj.host import progress
+    from dynabot_mj.sensing.logs import log as logs
+    from dynabot_mj.study import configuration
 
     tree = configuration.read(options.config) if options.config else {}
     parameters = circle.request(tree, str(options.config)).filter

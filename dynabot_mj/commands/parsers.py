@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from dynabot_mj.errors import InputError
+from dynabot_mj.common.exceptions import InputError
 
 # A string, because argparse's class, which has no public name, takes a parameter in its type stubs only.
 Commands: TypeAlias = "argparse._SubParsersAction[Any]"
@@ -39,7 +39,9 @@ def shared() -> argparse.ArgumentParser:
 
 def science() -> argparse.ArgumentParser:
     """Returns the options that override a configuration; `studies.build` reads them."""
-    from dynabot_mj.scenario import HEADINGS, SENSINGS, STEERINGS, VELOCITIES
+    from dynabot_mj.formation.options import HEADINGS
+    from dynabot_mj.plants.options import SENSINGS, STEERINGS
+    from dynabot_mj.study.scenario import VELOCITIES
 
     parser = argparse.ArgumentParser(add_help=False)
     parser.add_argument("--config", type=Path, metavar="FILE.toml", help="configuration; options override it")
@@ -116,14 +118,24 @@ def add_workers(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--workers", type=int, help="processes (default: all cores)")
 
 
+def renamed(parser: argparse.ArgumentParser, old: str, new: str) -> None:
+    """Answers an option that has another name now with that name."""
+
+    class Renamed(argparse.Action):
+        def __call__(self, *given: Any) -> None:
+            raise InputError(f"{old} is called {new} now")
+
+    parser.add_argument(old, action=Renamed, nargs="?", help=argparse.SUPPRESS)
+
+
 def conditions(options: argparse.Namespace) -> Any:
     """Returns which vehicle drives on what ground.
 
     Raises:
         InputError: If a value is out of range or the model cannot be read.
     """
-    from dynabot_mj import scene
-    from dynabot_mj.experiments import drive_report
+    from dynabot_mj.experiments.vehicle import drive_report
+    from dynabot_mj.plants import scene
 
     if options.friction is not None and not 0.05 <= options.friction <= 1.5:
         raise InputError(f"--friction {options.friction:g} given, allowed are 0.05 to 1.5")

@@ -6,8 +6,8 @@ import time
 from pathlib import Path
 from typing import Any
 
-from dynabot_mj.commands import parsers, results, trials
-from dynabot_mj.errors import InputError
+from dynabot_mj.commands import parsers, results
+from dynabot_mj.common.exceptions import InputError
 
 
 def add(commands: parsers.Commands) -> None:
@@ -25,10 +25,11 @@ def add(commands: parsers.Commands) -> None:
 
 def report(options: argparse.Namespace) -> None:
     """A study as one page of HTML that needs no network, with its tables as CSV."""
-    from dynabot_mj import files, progress, result_folder
     from dynabot_mj import study as studies
+    from dynabot_mj.host import files, progress, result_folder
+    from dynabot_mj.study import saved
 
-    study, path = trials.saved_study(options.folder)
+    study, path = saved.load(options.folder)
     if missing := studies.missing(study):
         raise InputError(f"the study {path} has no {missing[0]}, which a report needs; run it again")
     page: Path = options.out or path.parent / "report.html"
@@ -86,8 +87,10 @@ def _execution(path: Path) -> dict[str, Any]:
 
 def _changed(study: Any) -> str:
     """Returns what keeps the study's trials from being repeated; "" where nothing does."""
+    from dynabot_mj.study import saved
+
     try:
-        name = trials.changed_input(study)
+        name = saved.changed_input(study)
     except InputError as error:
         return f"the study read a file that cannot be read any more ({error})"
     return f"the file of its {name} has changed since the study" if name else ""

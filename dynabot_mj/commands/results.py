@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from dynabot_mj import result_folder
-from dynabot_mj.errors import InputError
-from dynabot_mj.result_folder import ResultFolder
+from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.host import result_folder
+from dynabot_mj.host.result_folder import ResultFolder
 
 
 @contextlib.contextmanager

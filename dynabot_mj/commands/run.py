@@ -18,8 +18,8 @@ def run(options: argparse.Namespace) -> None:
     """One trial of one case."""
     import numpy as np
 
-    from dynabot_mj import figures
-    from dynabot_mj.experiments import case_rows, single_trial
+    from dynabot_mj.experiments.formation import case_rows, single_trial
+    from dynabot_mj.figures import compare, style
 
     setup = trials.chosen(options)
     with studies.opened(options, "run", setup, _FILES, kept=lambda folder: "") as folder:
@@ -30,9 +30,9 @@ def run(options: argparse.Namespace) -> None:
         row["final_position_m"] = [[float(x) if np.isfinite(x) else None for x in place] for place in places]
         shown = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places)
         text = single_trial.markdown(case) + f"\nfinal positions [m]: {shown}"
-        figure = figures.trajectories(study, setup.estimators[0], str(case.perception.item()))
+        figure = compare.trajectories(study, setup.estimators[0], str(case.perception.item()))
         with studies.staged(folder, setup, study, options, wall_s) as stage:
             (stage / "run.json").write_text(results.dump(row), encoding="utf-8")
             (stage / "run.md").write_text(text, encoding="utf-8")
-            figures.save(figure, stage / "trajectories.png")
+            style.save(figure, stage / "trajectories.png")
     results.show(options, row, f"{text}\n{wall_s:.1f} s; results in {folder.path}")

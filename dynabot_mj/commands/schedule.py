@@ -14,7 +14,7 @@ def add(commands: parsers.Commands) -> None:
 
 def schedule(options: argparse.Namespace) -> None:
     """Shortest periods that the processor can keep, Eqs. 1-3."""
-    from dynabot_mj import schedule as eqs
+    from dynabot_mj.testbed import schedule as eqs
 
     rows = eqs.table(options.robots, options.utilisation)
     for row in rows:

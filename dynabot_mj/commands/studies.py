@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from dynabot_mj.commands import parsers, results
-from dynabot_mj.errors import InputError
-from dynabot_mj.result_folder import ResultFolder
+from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.host.result_folder import ResultFolder
 
 _VEHICLE = ("model", "friction", "slope", "payload", "steering", "sensing", "gains")
 SCIENCE = (
@@ -39,7 +39,7 @@ def build(options: argparse.Namespace, defaults: Mapping[str, Any] = _NONE, **ot
     Raises:
         InputError: If it contradicts itself, or an option does nothing in this study.
     """
-    from dynabot_mj import configuration
+    from dynabot_mj.study import configuration
 
     given = {**{name: getattr(options, name, None) for name in SCIENCE}, **others}
     tables = configuration.TABLES
@@ -58,7 +58,7 @@ def build(options: argparse.Namespace, defaults: Mapping[str, Any] = _NONE, **ot
 
 def _look_for_idle(options: argparse.Namespace, setup: Any, typed: Mapping[str, str]) -> None:
     """Refuses options that do nothing in a study, and says which keys of its file do nothing."""
-    from dynabot_mj import idle_keys
+    from dynabot_mj.study import idle_keys
 
     idle = idle_keys.idle(setup)
     for key, option in typed.items():
@@ -88,10 +88,10 @@ def opened(
         names: Patterns of the files that will be written beside those of every study.
         kept: Says which parts a folder keeps, where the study has parts of its own.
     """
-    from dynabot_mj import execution
+    from dynabot_mj.study import provenance
 
     told = kept or (lambda folder: told_kept([(setup, folder)]))
-    with results.opened(options, name, execution.depends_on(setup), (*_FILES, *names), told) as folder:
+    with results.opened(options, name, provenance.depends_on(setup), (*_FILES, *names), told) as folder:
         if options.resume and (found := told(folder.path)):
             print(f"note: {found}", file=sys.stderr)
         try:
@@ -159,7 +159,9 @@ def run(
     Returns:
         The Dataset and the time that it took [s].
     """
-    from dynabot_mj import execution, progress, scenario, study
+    from dynabot_mj import study
+    from dynabot_mj.host import progress
+    from dynabot_mj.study import execution, scenario
 
     start = time.monotonic()
     for estimator, load in scenario.loads(setup).items() if notes else ():
@@ -178,7 +180,7 @@ def run(
 
 def told_kept(studies: Sequence[tuple[Any, Path]]) -> str:
     """Says how many parts of studies their folders keep; "" for none."""
-    from dynabot_mj import execution
+    from dynabot_mj.study import execution
 
     counts = [execution.kept(setup, folder / _CHUNKS) for setup, folder in studies]
     kept, whole = (sum(column) for column in zip(*counts, strict=True))
@@ -191,7 +193,7 @@ def staged(
 ) -> Iterator[Path]:
     """Yields a folder for further results beside what every study leaves behind, and keeps them all at once."""
     from dynabot_mj import study
-    from dynabot_mj.execution import forget
+    from dynabot_mj.study.execution import forget
 
     execution = {
         "command": shlex.join(["dynabot", *sys.argv[1:]]),
@@ -217,7 +219,7 @@ def _wall_s(folder: ResultFolder) -> float:
 
 def note_late(comparison: Any) -> None:
     """Says that a case was too short for its robots to arrive."""
-    from dynabot_mj.experiments import compare
+    from dynabot_mj.experiments.formation import compare
 
     if line := compare.late(comparison):
         print(f"note: {line}", file=sys.stderr)

@@ -3,7 +3,7 @@
 import argparse
 
 from dynabot_mj.commands import parsers, results
-from dynabot_mj.errors import InputError
+from dynabot_mj.common.exceptions import InputError
 
 
 def add(commands: parsers.Commands) -> None:
@@ -17,9 +17,10 @@ def add(commands: parsers.Commands) -> None:
 
 def track(options: argparse.Namespace) -> None:
     """How well vehicles imitate particles, for each steering law and gain set."""
-    from dynabot_mj import progress, tracking_figures
-    from dynabot_mj.experiments import track as experiment
-    from dynabot_mj.figures import save
+    from dynabot_mj.experiments.vehicle import track as experiment
+    from dynabot_mj.figures import tracking
+    from dynabot_mj.figures.style import save
+    from dynabot_mj.host import progress
 
     if options.trials < 1:
         raise InputError(f"--trials {options.trials} given, it must be at least 1")
@@ -31,4 +32,4 @@ def track(options: argparse.Namespace) -> None:
             report = experiment.run(options.seed, options.trials, options.workers, tell)
         document, text = experiment.document(report), experiment.markdown(report)
         with results.report(options, folder, "tracking", document, text) as stage:
-            save(tracking_figures.tracking(report), stage / "tracking.png")
+            save(tracking.tracking(report), stage / "tracking.png")

@@ -11,7 +11,7 @@ _GAINS = {True: "gains.toml", False: "not_adopted.toml"}  # by whether they are 
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    from dynabot_mj.scenario import STEERINGS
+    from dynabot_mj.plants.options import STEERINGS
 
     command = parsers.command(commands, tune, parsers.vehicle())
     command.add_argument("what", choices=["traction"], help="which laws")
@@ -23,17 +23,20 @@ def add(commands: parsers.Commands) -> None:
         "--against", default="first", metavar="SET", help="what the result has to beat (default first)"
     )
     command.add_argument("--period", type=float, default=0.036, help="control period T_c [s] (default 0.036)")
-    command.add_argument("--scenario", type=Path, metavar="FILE.toml", help="courses to tune on (default random ones)")
+    command.add_argument("--courses", type=Path, metavar="FILE.toml", help="to tune on (default random ones)")
+    parsers.renamed(command, "--scenario", "--courses")
     command.add_argument("--seed", type=int, default=0, help="of the courses (default 0)")
 
 
 def tune(options: argparse.Namespace) -> None:
     """Tunes the local laws with CasADi, and judges the result in MuJoCo on courses that it was not tuned on."""
-    from dynabot_mj import manoeuvres, progress, tracking_figures
     from dynabot_mj.controllers import gains as gain_sets
-    from dynabot_mj.experiments import parity as models
-    from dynabot_mj.experiments import tune_traction as experiment
-    from dynabot_mj.figures import save
+    from dynabot_mj.experiments.vehicle import manoeuvres
+    from dynabot_mj.experiments.vehicle import parity as models
+    from dynabot_mj.experiments.vehicle import tune_traction as experiment
+    from dynabot_mj.figures import tracking
+    from dynabot_mj.figures.style import save
+    from dynabot_mj.host import progress
 
     request = experiment.Request(
         steering="heading" if options.steering == "heading" else "hand_point",
@@ -41,7 +44,7 @@ def tune(options: argparse.Namespace) -> None:
         against=options.against,
         conditions=parsers.conditions(options),
         period=options.period,
-        courses=tuple(manoeuvres.load(options.scenario)) if options.scenario else (),
+        courses=tuple(manoeuvres.load(options.courses)) if options.courses else (),
         seed=options.seed,
     )
     experiment.check(request)
@@ -55,5 +58,5 @@ def tune(options: argparse.Namespace) -> None:
         note = f"; the gains are {folder.path / name}"
         with results.report(options, folder, "tuning", document, text, note) as stage:
             (stage / name).write_text(gain_sets.dump(result.solution.gains, result.provenance), encoding="utf-8")
-            save(tracking_figures.tuning(result), stage / "tuning.png")
-            save(tracking_figures.parity(parity), stage / "parity.png")
+            save(tracking.tuning(result), stage / "tuning.png")
+            save(tracking.parity(parity), stage / "parity.png")

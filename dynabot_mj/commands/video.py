@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from dynabot_mj.commands import parsers, results, trials
-from dynabot_mj.errors import InputError
+from dynabot_mj.common.exceptions import InputError
 
 _RATES = {".mp4": (1.0, 120.0), ".gif": (1.0, 50.0)}  # a GIF counts hundredths of a second, two at least
 _SPEEDS = (0.01, 100.0)
@@ -18,7 +18,7 @@ _DEFAULTS = {".mp4": ((1280, 720), 30.0), ".gif": ((640, 360), 15.0)}  # size an
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    from dynabot_mj.video.shot import CAMERAS, OVERLAYS
+    from dynabot_mj.film.shot import CAMERAS, OVERLAYS
 
     command = parsers.command(commands, video, parsers.shared(), parsers.science(), trials.parser())
     command.add_argument(
@@ -55,7 +55,7 @@ def add(commands: parsers.Commands) -> None:
 
 def video(options: argparse.Namespace) -> None:
     """One trial of one case as a video, drawn without a display."""
-    from dynabot_mj import scenario
+    from dynabot_mj.study import scenario
 
     setup = trials.chosen(options)
     path, duration = _path(options), scenario.duration(setup)
@@ -63,8 +63,8 @@ def video(options: argparse.Namespace) -> None:
         raise InputError(f"--still {options.still:g} given, the trial lasts from 0 to {duration:g} s")
     shot = _shot(options, setup, path)
 
-    from dynabot_mj import files, opengl, progress, result_folder
-    from dynabot_mj.video import take
+    from dynabot_mj.film import take
+    from dynabot_mj.host import files, opengl, progress, result_folder
 
     opengl.require()
     files.require_writable(path.parent)
@@ -96,8 +96,8 @@ def video(options: argparse.Namespace) -> None:
 
 def _film(taken: Any, shot: Any, path: Path) -> float:
     """Draws and encodes all frames, and returns how long that took [s]."""
-    from dynabot_mj import progress
-    from dynabot_mj.video import encoder, film
+    from dynabot_mj.film import encoder, film
+    from dynabot_mj.host import progress
 
     begin = time.monotonic()
     with film.opened(taken, shot) as drawn, progress.shown("video", taken.frames) as tell:
@@ -111,8 +111,8 @@ def _still(taken: Any, shot: Any, instant: float, path: Path) -> float:
 
     import imageio.v3 as imageio
 
-    from dynabot_mj import files
-    from dynabot_mj.video import film
+    from dynabot_mj.film import film
+    from dynabot_mj.host import files
 
     k = round(instant / shot.interval)
     with film.opened(taken, shot) as drawn:
@@ -129,7 +129,7 @@ def _path(options: argparse.Namespace) -> Path:
     Raises:
         InputError: If its name has no suffix that is understood, or it is a folder.
     """
-    from dynabot_mj.video.encoder import SUFFIXES
+    from dynabot_mj.film.encoder import SUFFIXES
 
     suffixes = SUFFIXES if options.still is None else (".png",)
     path: Path = options.out or Path("out/video/video").with_suffix(suffixes[0])
@@ -146,8 +146,8 @@ def _shot(options: argparse.Namespace, setup: Any, path: Path) -> Any:
     Raises:
         InputError: If a value is out of range, or two do not go together.
     """
-    from dynabot_mj import scenario
-    from dynabot_mj.video.shot import OVERLAYS, Shot
+    from dynabot_mj.film.shot import OVERLAYS, Shot
+    from dynabot_mj.study import scenario
 
     size, rate = _DEFAULTS.get(path.suffix.lower(), _DEFAULTS[".mp4"])
     size, rate = options.size or size, rate if options.rate is None else options.rate

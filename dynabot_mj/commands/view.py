@@ -4,9 +4,9 @@ import argparse
 import sys
 from typing import Any
 
-from dynabot_mj import opengl
 from dynabot_mj.commands import parsers, trials
-from dynabot_mj.errors import DynabotError, InputError
+from dynabot_mj.common.exceptions import DynabotError, InputError
+from dynabot_mj.host import opengl
 
 _HOST, _PORT = "127.0.0.1", 8080
 
@@ -30,7 +30,8 @@ def view(options: argparse.Namespace) -> None:
         raise InputError(f"--port {options.port} given, allowed are 0 to 65535")
     setup = trials.chosen(options)
 
-    from dynabot_mj import playback, progress, recording
+    from dynabot_mj.host import progress
+    from dynabot_mj.viewing import playback, recording
 
     in_window = not options.browser and _has_display()
     for name in ("host", "port"):
@@ -57,17 +58,17 @@ def view(options: argparse.Namespace) -> None:
 
 def _screen(options: argparse.Namespace, setup: Any, clock: Any, in_window: bool) -> Any:
     """Opens the window, or starts to serve a page, and says where it is."""
-    from dynabot_mj import scenario
-    from dynabot_mj.stage import Stage
+    from dynabot_mj.study import scenario
+    from dynabot_mj.viewing.stage import Stage
 
     (case,) = scenario.cases(setup)
     title = f"{case.label}, trial {setup.first_trial}"
     if in_window:
-        from dynabot_mj.view import Window
+        from dynabot_mj.viewing.window import Window
 
         print(f"{title}: in MuJoCo's window; space halts and continues, the arrows go back and ahead", flush=True)
         return Window(Stage(setup, case), clock)
-    from dynabot_mj.web_view import Browser
+    from dynabot_mj.viewing.browser import Browser
 
     browser = Browser(
         Stage(setup, case),
@@ -87,7 +88,7 @@ def _has_display() -> bool:
         return False
     if sys.platform == "linux" and not opengl.has_display():
         return False
-    from dynabot_mj.view import display_answers  # imports libraries that a machine without a display may lack
+    from dynabot_mj.viewing.window import display_answers  # imports libraries that a machine without a display may lack
 
     return display_answers()
 

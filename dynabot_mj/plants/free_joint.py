@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dynabot_mj.arrays import Array
+from dynabot_mj.common.arrays import Array
 
 
 class Orientation(NamedTuple):

@@ -9,15 +9,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynabot_mj.arrays import Array, measured
+from dynabot_mj.common.arrays import Array, measured
+from dynabot_mj.common.frames import to_world
 from dynabot_mj.controllers import axes, odometry, steering, traction
 from dynabot_mj.controllers.axes import Axes, components_first, components_last, dot
 from dynabot_mj.controllers.odometry import Odometry
 from dynabot_mj.controllers.steering import HandPoint, Heading
 from dynabot_mj.controllers.traction import Traction
 from dynabot_mj.controllers.vehicle import Vehicle
-from dynabot_mj.frames import to_world
-from dynabot_mj.plants import FleetState, NavigationError
+from dynabot_mj.plants.plant import FleetState, NavigationError
 
 _ODOMETRY = Odometry()
 
@@ -127,5 +127,5 @@ class Drivers:
         if past is None or past.acceleration_b is None:
             return state.velocity_w - before.velocity_w
         period = state.time - before.time
-        felt_b = state.specific_impulse_b - before.specific_impulse_b + period * past.acceleration_b
+        felt_b = state.velocity_increment_b - before.velocity_increment_b + period * past.acceleration_b
         return to_world(felt_b, heading - 0.5 * period * (spin + past.yaw_rate))

@@ -15,9 +15,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from dynabot_mj.arrays import Array, BoolArray
-from dynabot_mj.frames import to_body
-from dynabot_mj.plants import LOOK_PERIOD, FleetState, NavigationError
+from dynabot_mj.common.arrays import Array, BoolArray
+from dynabot_mj.common.frames import to_body
+from dynabot_mj.plants.plant import LOOK_PERIOD, FleetState, NavigationError
 
 _TOP_SPEED = 1e3  # beyond it the sampled loop has blown up: a hundred times what a Dynabot can do [m/s]
 _HEADING_RATE = 3.0  # largest rate at which the heading follows the velocity [rad/s]
@@ -43,7 +43,7 @@ class ParticlePlant:
             velocity_w=zero,
             heading=heading.copy(),
             yaw_rate=zero[..., 0],
-            specific_impulse_b=zero,
+            velocity_increment_b=zero,
         )
         self._diverged = np.zeros(len(position_w), dtype=bool)
 
@@ -81,7 +81,7 @@ class ParticlePlant:
         """Advances exactly; see `Plant.step`. There are no local laws that the error would mislead."""
         looks = math.ceil(gap / LOOK_PERIOD - 1e-9)
         start, states = self._state, []
-        heading, impulse_b, interval = start.heading, start.specific_impulse_b, gap / looks
+        heading, impulse_b, interval = start.heading, start.velocity_increment_b, gap / looks
         acceleration_w = force_w / self._mass
         slow = np.abs(start.velocity_w + gap * acceleration_w) < _TOP_SPEED  # not so where it is NaN
         self._diverged = self._diverged | ~slow.all(axis=(1, 2))
@@ -103,7 +103,7 @@ class ParticlePlant:
                     velocity_w=velocity_w,
                     heading=turned,
                     yaw_rate=(turned - heading) / interval,
-                    specific_impulse_b=impulse_b,
+                    velocity_increment_b=impulse_b,
                 )
             )
             heading = turned

@@ -12,13 +12,13 @@ import mujoco
 import numpy as np
 from mujoco import batch
 
-from dynabot_mj import scene
-from dynabot_mj.arrays import Array, BoolArray
+from dynabot_mj.common.arrays import Array, BoolArray
+from dynabot_mj.common.frames import along
 from dynabot_mj.controllers import traction
 from dynabot_mj.controllers.vehicle import Vehicle
-from dynabot_mj.frames import along
-from dynabot_mj.plants import LOOK_PERIOD, FleetState, NavigationError, free_joint
+from dynabot_mj.plants import free_joint, scene
 from dynabot_mj.plants.local_laws import Drivers, LocalLaws
+from dynabot_mj.plants.plant import LOOK_PERIOD, FleetState, NavigationError
 
 LOCAL_PERIOD = 0.039  # longest period of the local laws [s]
 PHYSICS_STEP = 0.005  # longest physics step [s]; the contacts behave alike from 0.5 to 5 ms
@@ -167,7 +167,7 @@ class RigidBodyPlant:
             velocity_w=self._qvel[..., :2].copy(),
             heading=self._heading,
             yaw_rate=orientation.yaw_rate(self._spin_b),
-            specific_impulse_b=self._impulse_b.transpose(1, 2, 0),
+            velocity_increment_b=self._impulse_b.transpose(1, 2, 0),
             pose=self._qpos.copy(),
             wheel_speed=self._qvel[..., 6:].copy(),
         )
@@ -196,7 +196,7 @@ class RigidBodyPlant:
             velocity_w=np.where(gone[:, None, None], last.velocity_w, state.velocity_w),
             heading=self._heading,
             yaw_rate=np.where(gone[:, None], last.yaw_rate, state.yaw_rate),
-            specific_impulse_b=np.where(gone[:, None, None], last.specific_impulse_b, state.specific_impulse_b),
+            velocity_increment_b=np.where(gone[:, None, None], last.velocity_increment_b, state.velocity_increment_b),
             pose=_kept(gone, last.pose, state.pose),
             wheel_speed=_kept(gone, last.wheel_speed, state.wheel_speed),
         )

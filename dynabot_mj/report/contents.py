@@ -9,13 +9,17 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dynabot_mj import estimation_figures, figures, names, recording_figures, study_figures
-from dynabot_mj.experiments import circle_report, compare, compare_tables, in_loop
-from dynabot_mj.experiments.circle import Outcome
-from dynabot_mj.experiments.compare import Comparison
-from dynabot_mj.recording import Recording
+from dynabot_mj.common import legend
+from dynabot_mj.experiments.estimators import circle_report
+from dynabot_mj.experiments.estimators.circle import Outcome
+from dynabot_mj.experiments.formation import compare, compare_tables, in_loop
+from dynabot_mj.experiments.formation.compare import Comparison
+from dynabot_mj.figures import circle as estimation_figures
+from dynabot_mj.figures import compare as figures
+from dynabot_mj.figures import distributions, one_trial
 from dynabot_mj.report import csv_tables, page, svg
 from dynabot_mj.report.page import Section
+from dynabot_mj.viewing.recording import Recording
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,7 +113,7 @@ def _differences(comparison: Comparison, tables: Mapping[str, str]) -> Section |
     if not told:
         return None
     parts = []
-    if (figure := study_figures.differences(comparison)) is not None:
+    if (figure := distributions.differences(comparison)) is not None:
         caption = "Mean paired differences between the plants with 95 % intervals. Points: percentage points."
         parts.append(_figure(figure, "differences", caption))
     for table in told:
@@ -119,7 +123,7 @@ def _differences(comparison: Comparison, tables: Mapping[str, str]) -> Section |
 
 def _distributions(study: xr.Dataset, tables: Mapping[str, str]) -> Section:
     parts = []
-    if (figure := study_figures.incidence(study)) is not None:
+    if (figure := distributions.incidence(study)) is not None:
         caption = (
             "Formation and contact as competing outcomes: the share of the trials that has formed by a time, from "
             "below, and that has touched or overturned before it formed, from above."
@@ -127,7 +131,7 @@ def _distributions(study: xr.Dataset, tables: Mapping[str, str]) -> Section:
         parts.append(_figure(figure, "incidence", caption))
     parts += [
         _figure(
-            study_figures.closest(study),
+            distributions.closest(study),
             "closest",
             "How near two centres came in a trial, of all trials. Shaded: nearer than the collision distance.",
         ),
@@ -142,7 +146,7 @@ def _paths(study: xr.Dataset) -> Section:
         _figure(
             figures.trajectories(study, estimator, perception),
             "-".join(["paths", estimator, *([perception] if perception else [])]),
-            f"Whole paths above, the end near the leader below: {names.method(estimator, perception)}.",
+            f"Whole paths above, the end near the leader below: {legend.method(estimator, perception)}.",
         )
         for estimator, perception in shown
     ]
@@ -153,15 +157,15 @@ def _over_time(material: Material) -> Section:
     parts = [page.paragraphs(material.recordings_note)] if material.recordings_note else []
     if material.recordings:
         drawn = (
-            (recording_figures.distance, "Distances to the leader. Shaded: the floor of the leader's well."),
+            (one_trial.distance, "Distances to the leader. Shaded: the floor of the leader's well."),
             (
-                recording_figures.message_age,
+                one_trial.message_age,
                 "Time since the positions were sampled that robots have of each other: mean, and lowest to highest.",
             ),
-            (recording_figures.effort, "Control effort: size of the forces that the robots command."),
-            (recording_figures.slip, "Slip of the tyres: of each robot's four, the largest."),
+            (one_trial.effort, "Control effort: size of the forces that the robots command."),
+            (one_trial.slip, "Slip of the tyres: of each robot's four, the largest."),
             (
-                recording_figures.estimate_error,
+                one_trial.estimate_error,
                 "What robot 1 believes of its own x, less where it is, and three standard deviations of that belief.",
             ),
         )

@@ -9,9 +9,9 @@ from typing import Any
 
 import xarray as xr
 
-from dynabot_mj.experiments import circle_report
-from dynabot_mj.experiments.circle import Outcome
-from dynabot_mj.experiments.compare import Comparison
+from dynabot_mj.experiments.estimators import circle_report
+from dynabot_mj.experiments.estimators.circle import Outcome
+from dynabot_mj.experiments.formation.compare import Comparison
 
 
 def of_study(comparison: Comparison) -> dict[str, str]:

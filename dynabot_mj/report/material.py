@@ -1,7 +1,7 @@
 """What a report needs beside the study: its first trial again, frame by frame, a film of it, and the tether."""
 
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,22 +9,24 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from dynabot_mj import configuration, names, opengl, recording, scenario
-from dynabot_mj.errors import DynabotError
-from dynabot_mj.experiments import circle
-from dynabot_mj.recording import Recording
+from dynabot_mj.common import legend
+from dynabot_mj.common.arrays import Progress
+from dynabot_mj.common.exceptions import DynabotError
+from dynabot_mj.experiments.estimators import circle
+from dynabot_mj.film import encoder, film, take
+from dynabot_mj.film.shot import Shot
+from dynabot_mj.host import opengl
 from dynabot_mj.report.contents import Material
-from dynabot_mj.scenario import Scenario
-from dynabot_mj.simulation import TRAJECTORY_INTERVAL
-from dynabot_mj.video import encoder, film, take
-from dynabot_mj.video.shot import Shot
+from dynabot_mj.study import configuration, scenario
+from dynabot_mj.study.scenario import Scenario
+from dynabot_mj.trial.loop import TRAJECTORY_INTERVAL
+from dynabot_mj.viewing import recording
+from dynabot_mj.viewing.recording import Recording
 
 _CIRCLE_RUNS = 20
 _SHOT = Shot(width=640, height=360, rate=20.0, speed=4.0, samples=4)  # smooth edges also make a smaller file
 _FILMED = "decoupled"
 _ALIKE = 1e-6  # between the path that a study kept and the one of today's recording [m]
-
-Progress = Callable[[float], None]
 
 
 def gather(study: xr.Dataset, execution: Mapping[str, Any], changed: str, progress: Progress) -> Material:
@@ -101,7 +103,7 @@ def _clip(recordings: Sequence[Recording], progress: Progress) -> tuple[bytes | 
             content = path.read_bytes()
     except DynabotError as error:
         return None, f"There is no film: {error}."
-    case = names.method(chosen.case.estimator, chosen.case.perception)
+    case = legend.method(chosen.case.estimator, chosen.case.perception)
     return content, (
         f"Trial {chosen.trial}, {case}, {_SHOT.speed:g} times as fast. Translucent: where each robot believes to be, "
         "and one standard deviation per axis around it."

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
-from dynabot_mj.experiments.tables import Table
+from dynabot_mj.common.tables import Table
 
 # Nothing from elsewhere and no scripts; pictures, films and style only from the page itself.
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; media-src data:"

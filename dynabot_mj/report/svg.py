@@ -6,7 +6,7 @@ import re
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
-from dynabot_mj.figures import STYLE
+from dynabot_mj.figures.style import STYLE
 
 _PIXELS_PER_POINT = 96.0 / 72.0
 # No date and no name of a program: the same figure is the same text.

@@ -3,9 +3,9 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from dynabot_mj.estimation import kalman, motion
+from dynabot_mj.estimation.arrays import Array
 from dynabot_mj.estimation.filterpy_twins.filters import MovingFilter, judged, sound
 from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample, rotation, wrap
@@ -20,8 +20,6 @@ from dynabot_mj.estimation.motion import (
     turned,
 )
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
-
-Array = npt.NDArray[np.float64]
 
 
 class CoupledEkf:

@@ -4,17 +4,15 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from dynabot_mj.estimation import kalman
+from dynabot_mj.estimation.arrays import Array
 from dynabot_mj.estimation.filterpy_twins.filters import MovingFilter, judged, linear, sound
 from dynabot_mj.estimation.filterpy_twins.heading_filter import HeadingFilter
 from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample, rotation
 from dynabot_mj.estimation.motion import HEADING, STATES, YAW_RATE_BIAS, left, turned
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
-
-Array = npt.NDArray[np.float64]
 
 # Which of the ten states of `dynabot_mj.estimation.motion` the sub-filters have.
 _STATES = ((HEADING, YAW_RATE_BIAS), (2, 3, 6, 7), (0, 8), (1, 9))

@@ -7,12 +7,11 @@ update whose own innovation is not finite or lies beyond the gate is taken back.
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from filterpy.kalman import ExtendedKalmanFilter, KalmanFilter
 
+from dynabot_mj.estimation.arrays import Array
 from dynabot_mj.estimation.kalman import Update
 
-Array = npt.NDArray[np.float64]
 Filter = Any  # FilterPy has no types; x, P of a filter of s states are (s,), (s, s)
 
 

@@ -3,15 +3,13 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from dynabot_mj.estimation.arrays import Array
 from dynabot_mj.estimation.filterpy_twins.filters import sound
 from dynabot_mj.estimation.filterpy_twins.heading_filter import HeadingFilter
 from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
-
-Array = npt.NDArray[np.float64]
 
 
 class GpsExtrapolation:

@@ -4,15 +4,13 @@ FilterPy subtracts angles without wrapping, so a bearing z is passed as phi + wr
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from dynabot_mj.estimation import kalman
+from dynabot_mj.estimation.arrays import Array
 from dynabot_mj.estimation.filterpy_twins.filters import judged, linear
 from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import ImuSample, wrap
 from dynabot_mj.estimation.parameters import Parameters
-
-Array = npt.NDArray[np.float64]
 
 
 class HeadingFilter:

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dynabot_mj import scene
 from dynabot_mj.controllers import planar_model
 from dynabot_mj.controllers.planar_model import STATES
 from dynabot_mj.controllers.traction import SIDES
-from dynabot_mj.experiments.course import TURNING, Course
+from dynabot_mj.experiments.vehicle.course import TURNING, Course
+from dynabot_mj.plants import scene
 
 PERIOD = 0.02
 VALUES = st.lists(st.floats(-1.0, 1.0), min_size=STATES + 8, max_size=STATES + 8)

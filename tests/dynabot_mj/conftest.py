@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from dynabot_mj import cli, configuration, opengl, study
+from dynabot_mj import cli, study
+from dynabot_mj.host import opengl
 from dynabot_mj.report import material
+from dynabot_mj.study import configuration
 
 
 @pytest.fixture(scope="session")

@@ -4,11 +4,11 @@ import math
 import numpy as np
 import pytest
 
-from dynabot_mj import replay
 from dynabot_mj.estimation import build
-from dynabot_mj.experiments import kinematic
-from dynabot_mj.sensor_errors import SensorOptions
-from dynabot_mj.sensor_faults import Fault
+from dynabot_mj.experiments.estimators import kinematic
+from dynabot_mj.sensing import samples as replay
+from dynabot_mj.sensing.errors import SensorOptions
+from dynabot_mj.sensing.faults import Fault
 
 PERIOD, STEPS = 0.036, 2100
 

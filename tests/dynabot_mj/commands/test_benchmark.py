@@ -4,10 +4,10 @@ import json
 import pytest
 
 from dynabot_mj.commands import benchmark
-from dynabot_mj.errors import InputError
-from dynabot_mj.experiments import benchmark_environment
-from dynabot_mj.video import benchmark as benchmark_video
-from dynabot_mj.video.shot import OVERLAYS
+from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.environment import benchmark as benchmark_environment
+from dynabot_mj.film import benchmark as benchmark_video
+from dynabot_mj.film.shot import OVERLAYS
 
 
 def run(*arguments):

@@ -2,7 +2,8 @@ import json
 
 import pytest
 
-from dynabot_mj import cli, logs
+from dynabot_mj import cli
+from dynabot_mj.sensing.logs import log as logs
 
 
 def test_circle_writes_its_results_and_repeats_them_from_its_file(tmp_path, capsys):

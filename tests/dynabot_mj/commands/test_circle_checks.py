@@ -3,7 +3,7 @@ import json
 import pytest
 
 from dynabot_mj import cli
-from dynabot_mj.experiments import consistency, troubles
+from dynabot_mj.experiments.estimators import consistency, troubles
 
 
 @pytest.mark.parametrize("name", ["grouping", "consistency", "faults"])

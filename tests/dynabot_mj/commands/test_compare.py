@@ -1,6 +1,6 @@
 import json
 
-from dynabot_mj.experiments import sensitivity
+from dynabot_mj.experiments.formation import sensitivity
 
 
 def test_compare_writes_results_that_can_be_fed_back_in(dynabot, main, tmp_path):

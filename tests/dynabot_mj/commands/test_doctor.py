@@ -2,8 +2,9 @@ import json
 
 import pytest
 
-from dynabot_mj import cli, doctor
-from dynabot_mj.doctor import Check
+from dynabot_mj import cli
+from dynabot_mj.host import doctor
+from dynabot_mj.host.doctor import Check
 
 GOOD = Check(name="mujoco", ok=True, found="3.17.0", needed=True)
 BAD = Check(name="drawing", ok=False, found="no OpenGL back end", needed=True, mend="apt-get install libegl1")

@@ -2,7 +2,8 @@ import json
 
 import pytest
 
-from dynabot_mj import configuration, study
+from dynabot_mj import study
+from dynabot_mj.study import configuration
 
 
 @pytest.fixture(scope="module")

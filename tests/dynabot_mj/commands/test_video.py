@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from dynabot_mj import study
-from dynabot_mj.colours import ROBOT_COLOURS, rgb
+from dynabot_mj.common.legend import ROBOT_COLOURS, rgb
 
 SMALL = ["--size", "480x272", "--rate", "10"]
 

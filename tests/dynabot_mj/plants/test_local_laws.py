@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from dynabot_mj import scene
 from dynabot_mj.controllers import gains
-from dynabot_mj.plants import FleetState, NavigationError
+from dynabot_mj.plants import scene
 from dynabot_mj.plants.local_laws import Drivers, LocalLaws
+from dynabot_mj.plants.plant import FleetState, NavigationError
 
 TUNED = gains.load("tuned")
 PERIOD = 0.03
@@ -17,7 +17,7 @@ def state(time, velocity=(0.0, 0.0), heading=0.0):
         velocity_w=np.array([[velocity]]),
         heading=np.full((1, 1), heading),
         yaw_rate=np.zeros((1, 1)),
-        specific_impulse_b=np.zeros((1, 1, 2)),
+        velocity_increment_b=np.zeros((1, 1, 2)),
     )
 
 

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dynabot_mj.plants import LOOK_PERIOD
 from dynabot_mj.plants.particle import ParticlePlant
+from dynabot_mj.plants.plant import LOOK_PERIOD
 
 MASS = 12.0
 

@@ -3,12 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dynabot_mj import scene
 from dynabot_mj.controllers import gains
 from dynabot_mj.controllers.odometry import REAL_SENSORS
-from dynabot_mj.plants import LOOK_PERIOD, NavigationError
+from dynabot_mj.plants import scene
 from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.plants.particle import ParticlePlant
+from dynabot_mj.plants.plant import LOOK_PERIOD, NavigationError
 from dynabot_mj.plants.rigid_body import RigidBodyPlant, divided
 
 # The set that no tuning changes.
@@ -281,7 +281,7 @@ def test_what_is_felt_is_what_mujocos_accelerometer_measures():
             spin = np.maximum(spin, np.abs(plant._qvel[..., 3:6]))
             across = spin[..., 2] * np.linalg.norm(felt_b[..., :2], axis=-1)
             bound += step * 0.5 * step * (across + np.linalg.norm(spin[..., :2], axis=-1) * np.abs(felt_b[..., 2]))
-            error = np.linalg.norm(plant.state.specific_impulse_b - impulse_b, axis=-1)
+            error = np.linalg.norm(plant.state.velocity_increment_b - impulse_b, axis=-1)
             assert (error < 1.1 * bound + 1e-5).all()
     # The bound says something beside all that was felt.
     assert (bound < 0.005 * way).all()
@@ -290,7 +290,7 @@ def test_what_is_felt_is_what_mujocos_accelerometer_measures():
 def test_at_rest_on_the_level_nothing_is_felt():
     plant = single(1)
     push(plant, [0.0, 0.0], 2.0)
-    np.testing.assert_allclose(plant.state.specific_impulse_b, 0.0, atol=1e-3)
+    np.testing.assert_allclose(plant.state.velocity_increment_b, 0.0, atol=1e-3)
 
 
 def test_on_a_slope_gravity_is_felt_along_the_way_up():
@@ -300,7 +300,7 @@ def test_on_a_slope_gravity_is_felt_along_the_way_up():
     push(plant, [0.0, 0.0], 8.0, dissipation=13.0)
     before = plant.state
     push(plant, [0.0, 0.0], 1.0, dissipation=13.0)
-    felt_b = (plant.state.specific_impulse_b - before.specific_impulse_b)[:, 0] / (plant.state.time - before.time)
+    felt_b = (plant.state.velocity_increment_b - before.velocity_increment_b)[:, 0] / (plant.state.time - before.time)
     # The way up is ahead, to the right, behind, to the left. The lower tyres yield more, by the moment of 0.1 g about
     # the ground: 2 x 4.4 mm x 0.1 x 0.092 m / 0.34 m at an axle, or 1.4 mrad.
     up_b = np.array([[1.0, 0.0], [0.0, -1.0], [-1.0, 0.0], [0.0, 1.0]])
@@ -312,8 +312,8 @@ def test_a_rigid_body_and_a_particle_feel_the_same_when_they_accelerate_straight
     for plant in (rigid, particle):
         push(plant, [12.0, 0.0], 2.0)
     # 2 m/s; tilted back by 1.4 mrad, see above, the rigid body feels 14 mm/s^2 more.
-    np.testing.assert_allclose(rigid.state.specific_impulse_b, particle.state.specific_impulse_b, atol=0.06)
-    assert particle.state.specific_impulse_b[0, 0, 0] == pytest.approx(2.0, rel=0.02)
+    np.testing.assert_allclose(rigid.state.velocity_increment_b, particle.state.velocity_increment_b, atol=0.06)
+    assert particle.state.velocity_increment_b[0, 0, 0] == pytest.approx(2.0, rel=0.02)
 
 
 def test_what_is_felt_does_not_depend_on_the_gap():
@@ -323,18 +323,18 @@ def test_what_is_felt_does_not_depend_on_the_gap():
         plant.step(np.full((2, 1, 2), 10.0), 0.072)
         for _ in range(2):
             same.step(np.full((2, 1, 2), 10.0), 0.036)
-    np.testing.assert_allclose(plant.state.specific_impulse_b, same.state.specific_impulse_b, atol=1e-9)
+    np.testing.assert_allclose(plant.state.velocity_increment_b, same.state.velocity_increment_b, atol=1e-9)
 
 
 def test_a_reset_simulation_keeps_what_it_felt_last():
     plant = single(2)
     push(plant, [12.0, 0.0], 0.5)
-    before = plant.state.specific_impulse_b
+    before = plant.state.velocity_increment_b
     plant._qvel[1, 0, 0] = np.nan
     push(plant, [12.0, 0.0], 0.5)
-    np.testing.assert_array_equal(plant.state.specific_impulse_b[1], before[1])
-    assert np.isfinite(plant.state.specific_impulse_b).all()
-    assert plant.state.specific_impulse_b[0, 0, 0] > 1.5 * before[0, 0, 0]
+    np.testing.assert_array_equal(plant.state.velocity_increment_b[1], before[1])
+    assert np.isfinite(plant.state.velocity_increment_b).all()
+    assert plant.state.velocity_increment_b[0, 0, 0] > 1.5 * before[0, 0, 0]
 
 
 def navigation(shape, **errors):

@@ -4,9 +4,11 @@ import io
 import numpy as np
 import pytest
 
-from dynabot_mj import configuration, study
-from dynabot_mj.experiments import case_rows, circle, compare
+from dynabot_mj import study
+from dynabot_mj.experiments.estimators import circle
+from dynabot_mj.experiments.formation import case_rows, compare
 from dynabot_mj.report import csv_tables
+from dynabot_mj.study import configuration
 
 
 def read(text):

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from dynabot_mj import configuration, study
+from dynabot_mj import study
 from dynabot_mj.report import contents, material
+from dynabot_mj.study import configuration
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 import base64
 import re
 
-from dynabot_mj.experiments.tables import Table
+from dynabot_mj.common.tables import Table
 from dynabot_mj.report import page
 from dynabot_mj.report.page import Section
 

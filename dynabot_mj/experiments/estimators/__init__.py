@@ -1,0 +1,1 @@
+"""Questions about the estimators alone: Table II and Fig. 3, consistency, faults, recorded logs, what they cost."""

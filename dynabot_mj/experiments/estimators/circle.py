@@ -1,0 +1,189 @@
+"""The paper's tether experiment (Sec. III.B, Table II, Fig. 3): what each estimator makes of the same samples.
+
+A robot is driven around a post, its sensors are recorded, and all three estimators follow the record. The paper takes
+"the maximum error between the estimated path and the best-fit actual path" as the uncertainty of an estimator. Beside
+the circle there are a figure of eight, where the fit may not change the path's size, and a line, where it cannot see
+errors along the path.
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass as plain_dataclass
+from dataclasses import fields
+from typing import Annotated, Any, Literal, get_args
+
+import numpy as np
+from pydantic import Field, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
+
+from dynabot_mj.common.arrays import Progress
+from dynabot_mj.common.exceptions import InputError, one_line
+from dynabot_mj.common.validation import STRICT, UNITS
+from dynabot_mj.estimation import build
+from dynabot_mj.experiments.estimators import kinematic, tether
+from dynabot_mj.experiments.estimators import scores as estimation_scores
+from dynabot_mj.experiments.estimators.best_fit import BestFit
+from dynabot_mj.experiments.estimators.kinematic import PathName
+from dynabot_mj.experiments.estimators.scores import Consistency, Scores
+from dynabot_mj.perception import filter_parameters
+from dynabot_mj.perception.filter_parameters import FilterParameters
+from dynabot_mj.sensing import errors
+from dynabot_mj.sensing import samples as replay
+from dynabot_mj.sensing.errors import SensorOptions
+from dynabot_mj.sensing.ground_truth import GroundTruth
+from dynabot_mj.sensing.samples import Samples, Track
+from dynabot_mj.study import configuration
+
+PlantName = Literal["kinematic", "rigid"]
+PLANTS: tuple[PlantName, ...] = get_args(PlantName)
+
+DROPPED = 15.0  # at the beginning, until the estimators have settled [s]
+CHUNK = 50  # runs at once: what bounds the memory
+
+_DRIVING: dict[PlantName, float] = {"kinematic": 0.0, "rigid": 0.8}  # its share of the work
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class Request:
+    """What is asked for."""
+
+    runs: Annotated[int, Field(ge=1)] = 200
+    seed: Annotated[int, Field(ge=0)] = 0
+    # With what is dropped [s]: at least a round of the circle is left; the record of a chunk has to fit in memory.
+    duration: Annotated[float, Field(ge=30.0, le=1000.0)] = 100.0
+    period: Annotated[float, Field(ge=0.005, le=0.2)] = 0.036  # T_s, between two samples [s]
+    plant: PlantName = "kinematic"
+    path: PathName = "circle"
+    sensors: SensorOptions = SensorOptions()
+    filter: FilterParameters = FilterParameters()  # what the estimators assume of them
+
+
+@plain_dataclass(frozen=True, kw_only=True)
+class Chunk:
+    """Some runs and what the estimators made of them."""
+
+    first: int  # index of the first sample that counts
+    truth: GroundTruth  # at the samples, N times
+    samples: Samples  # (N, R, ...)
+    tracks: dict[build.Name, Track]
+    fits: dict[build.Name, BestFit]  # from the first sample that counts
+    scores: dict[build.Name, Scores]
+
+
+@plain_dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What was found."""
+
+    request: Request
+    scores: dict[build.Name, Scores]  # of all runs
+    restarts: dict[build.Name, int]  # of the estimators' filters, in all runs
+    example: Chunk  # that of the first run
+
+
+def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> Request:
+    """Builds a request from a tree of plain values, e.g. of a TOML file, and overriding options.
+
+    Args:
+        tree: Keys of `Request`.
+        origin: Where it comes from, for the messages.
+        **options: Keys of `Request`; None where not given.
+
+    Raises:
+        InputError: If a key or a value is not allowed, or values do not fit together.
+    """
+    merged = {**tree, **{key: value for key, value in options.items() if value is not None}}
+    try:
+        # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
+        found = TypeAdapter(Request).validate_json(json.dumps(merged, default=str))
+    except ValidationError as error:
+        typed = {key: f"--{key}" for key, value in options.items() if value is not None}
+        told = one_line(error, typed=typed, units=UNITS)
+        raise InputError(told if told.startswith("--") else f"{origin}: {told}") from error
+    if found.plant == "rigid":
+        if found.path != "circle":
+            raise InputError(f"path {found.path!r} given for the rigid plant, its tether allows: circle")
+        if abs(found.period / tether.INTERVAL - round(found.period / tether.INTERVAL)) > 1e-6:
+            raise InputError(
+                f"period = {found.period:g} s given, for the rigid plant it must be a multiple of {tether.INTERVAL:g} s"
+            )
+    errors.check(found.sensors, robots=1)
+    filter_parameters.check(found.filter)
+    return found
+
+
+def dump(asked: Request) -> str:
+    """Returns a request as TOML; `request` gives the same one back."""
+    return configuration.toml(asked)
+
+
+def run(asked: Request, progress: Progress = lambda share: None) -> Outcome:
+    """Runs the experiment.
+
+    Args:
+        asked: What is asked for.
+        progress: Told the share of the work that is done.
+    """
+    example: Chunk | None = None
+    scores: dict[build.Name, list[Scores]] = {name: [] for name in build.NAMES}
+    restarts = dict.fromkeys(build.NAMES, 0)
+    for begin in range(0, asked.runs, CHUNK):
+        count = min(CHUNK, asked.runs - begin)
+
+        def tell(share: float, begin: int = begin, count: int = count) -> None:
+            progress((begin + share * count) / asked.runs)
+
+        chunk = follow(asked, begin, count, tell)
+        example = example or chunk
+        for name in build.NAMES:
+            scores[name].append(chunk.scores[name])
+            restarts[name] += int(chunk.tracks[name].restarts.sum())
+    assert example is not None  # there is a run
+    return Outcome(
+        request=asked,
+        scores={name: _joined(parts) for name, parts in scores.items()},
+        restarts=restarts,
+        example=example,
+    )
+
+
+def follow(asked: Request, begin: int, count: int, progress: Progress = lambda share: None) -> Chunk:
+    """Drives some runs, records their sensors and follows the record with every estimator.
+
+    Args:
+        asked: What is asked for.
+        begin: Number of the first run.
+        count: Number of runs R.
+        progress: Told the share of the work that is done.
+    """
+    driving = _DRIVING[asked.plant]
+    driven = _drive(asked, begin, count, lambda share: progress(driving * share))
+    samples = replay.record(driven, asked.sensors, asked.period, asked.seed, begin)
+    truth = driven.thinned(round(asked.period / driven.interval))
+    state = estimation_scores.ten_states(truth, samples)
+    first = int(np.searchsorted(truth.time, DROPPED - 1e-9))
+    tracks: dict[build.Name, Track] = {}
+    fits: dict[build.Name, BestFit] = {}
+    scores: dict[build.Name, Scores] = {}
+    for index, name in enumerate(build.NAMES):
+        estimator = build.build(name, (count,), asked.filter)
+        consistency = Consistency(estimator, state, first)
+        tracks[name] = replay.follow(samples, estimator, consistency.look)
+        scores[name], fits[name] = estimation_scores.judge(asked.path, tracks[name], truth, consistency, first)
+        progress(driving + (1.0 - driving) * (index + 1) / len(build.NAMES))
+    return Chunk(first=first, truth=truth, samples=samples, tracks=tracks, fits=fits, scores=scores)
+
+
+def _drive(asked: Request, begin: int, count: int, progress: Progress) -> GroundTruth:
+    """Returns what the vehicles really do, on a grid that divides the sampling period."""
+    match asked.plant:
+        case "rigid":
+            return tether.drive(range(begin, begin + count), asked.seed, asked.duration, progress=progress)
+        case "kinematic":
+            # As fine as the tethered vehicle's record.
+            interval = asked.period / math.ceil(asked.period / tether.INTERVAL - 1e-9)
+            return kinematic.follow(asked.path, count, asked.seed, asked.duration, interval, begin)
+
+
+def _joined(parts: list[Scores]) -> Scores:
+    return Scores(**{one.name: np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(Scores)})

@@ -1,0 +1,1 @@
+"""Questions about one vehicle: how it drives, how well it follows commands, with which gains."""

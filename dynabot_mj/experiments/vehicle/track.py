@@ -1,0 +1,302 @@
+"""The tracking report: how well vehicles imitate particles, for each steering law and gain set.
+
+On courses of force, on the formation with perfect information at the periods of Table III, and on the formation over
+friction.
+"""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from dynabot_mj.common import intervals, tables
+from dynabot_mj.common.arrays import Array, Progress
+from dynabot_mj.common.intervals import Difference, Mean, MeanInterval, Rate
+from dynabot_mj.experiments.vehicle import formation_tracking, manoeuvres, tracking
+from dynabot_mj.experiments.vehicle.formation_tracking import FormationTracking
+from dynabot_mj.experiments.vehicle.tracking import Tracking
+from dynabot_mj.formation import metrics
+from dynabot_mj.host import files, opengl, processes
+from dynabot_mj.plants.options import SteeringName
+from dynabot_mj.study import configuration, scenario
+from dynabot_mj.study.scenario import Scenario
+from dynabot_mj.testbed import paper
+
+COURSES_PER_KIND, COURSE_DURATION, COURSE_PERIOD = 8, 7.0, 0.036  # [s]
+FRICTIONS = (0.15, 0.2, 0.25, 0.3, 0.5, 0.75, 0.9)
+# Of the formations: T_c of Table III, and the row whose gains go with it; all laws are compared at some of them.
+PERIODS = ((0.010, "perfect"), (0.027, "perfect"), (0.036, "perfect"), (0.156, "coupled"))
+COMPARED_PERIODS = (0.036, 0.156)
+_PURPOSE = 2  # of the random manoeuvres: neither those of the tuning nor those of its validation
+
+
+@dataclass(frozen=True, kw_only=True)
+class Laws:
+    """A steering law with a gain set."""
+
+    steering: SteeringName
+    gains: str
+
+    @property
+    def label(self) -> str:
+        """E.g. `hand-point, tuned`."""
+        return f"{self.steering}, {self.gains}"
+
+
+LAWS = (
+    Laws(steering="hand-point", gains="first"),
+    Laws(steering="hand-point", gains="tuned"),
+    Laws(steering="heading", gains="first"),
+    Laws(steering="heading", gains="tuned"),
+)
+TUNED = LAWS[1]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CourseRow:
+    """One law on the courses of one kind."""
+
+    laws: str
+    kind: str
+    velocity_rms_mps: float
+    position_rms_m: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class FormationRow:
+    """One law in the formation, beside the same trials of particles."""
+
+    laws: str
+    period_ms: float
+    alpha_h: float
+    alpha_d: float
+    friction: float
+    trials: int
+    formation_s: MeanInterval  # restricted to the duration
+    particle_formation_s: MeanInterval
+    formation_delay_s: Difference  # rigid - particle
+    settling_s: Mean
+    particle_settling_s: Mean
+    unsettled: Rate
+    velocity_rms_mps: float
+    position_rms_m: float
+    largest_yaw_path_rad: float  # in the last 10 s
+    largest_slip_mps: float
+    collision_footprint: Rate
+    hull_contact: Rate
+    completion: Rate
+    completion_common: Rate
+    diverged: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """What was found."""
+
+    seed: int
+    courses: tuple[CourseRow, ...]
+    formations: tuple[FormationRow, ...]  # over laws and periods
+    frictions: tuple[FormationRow, ...]  # of the tuned hand point
+    examples: dict[str, Tracking]  # by law, on one course of each of `manoeuvres.KINDS`
+    errors_by_time: dict[str, Array]  # of the formation at 36 ms by law: RMS velocity error in each second [m/s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Task:
+    """One formation study."""
+
+    laws: Laws
+    setup: Scenario
+
+
+def run(seed: int, trials: int, workers: int, progress: Progress = lambda share: None) -> Report:
+    """Runs everything.
+
+    Args:
+        seed: Of courses and trials.
+        trials: Of each formation.
+        workers: Processes.
+        progress: Told the share of the work that is done.
+    """
+    tasks = [
+        _task(laws, seed, trials, period, row)
+        for period, row in PERIODS
+        for laws in LAWS
+        if laws == TUNED or period in COMPARED_PERIODS
+    ]
+    split = len(tasks)
+    tasks += [_task(TUNED, seed, trials, COURSE_PERIOD, "perfect", friction) for friction in FRICTIONS]
+    found: list[FormationTracking] = []
+    with processes.pool(workers) as pool:
+        with files.uninterrupted(), opengl.unasked():
+            futures = [pool.submit(_formation, task) for task in tasks]
+        driven = _courses(seed)
+        for done, future in enumerate(futures):
+            found.append(future.result())
+            progress((done + 1) / len(tasks))
+    rows = [_row(task, outcome) for task, outcome in zip(tasks, found, strict=True)]
+    return Report(
+        seed=seed,
+        courses=tuple(_course_rows(driven)),
+        formations=tuple(rows[:split]),
+        frictions=tuple(rows[split:]),
+        examples={law: _first_of_each(one) for law, one in driven.items()},
+        errors_by_time={
+            task.laws.label: outcome.velocity_error_by_time
+            for task, outcome in zip(tasks[:split], found, strict=False)
+            if scenario.method(task.setup, "perfect").sample_period == COURSE_PERIOD
+        },
+    )
+
+
+def document(report: Report) -> dict[str, Any]:
+    """Returns the JSON document."""
+    return {
+        "seed": report.seed,
+        "courses": [asdict(one) for one in report.courses],
+        "formations": [asdict(one) for one in report.formations],
+        "frictions": [asdict(one) for one in report.frictions],
+    }
+
+
+def markdown(report: Report) -> str:
+    """Returns the report as tables."""
+    kinds = list(manoeuvres.KINDS)
+    courses = [
+        [laws.label]
+        + [f"{one.velocity_rms_mps:.3f}, {one.position_rms_m:.2f}" for one in report.courses if one.laws == laws.label]
+        for laws in LAWS
+    ]
+    first = report.formations[0]
+    lines = [
+        f"# Tracking of particles by vehicles, seed {report.seed}",
+        "",
+        f"Velocity RMS [m/s], position RMS [m] over {COURSES_PER_KIND} courses of {COURSE_DURATION:g} s of each kind, "
+        f"T_c = {1e3 * COURSE_PERIOD:g} ms:",
+        "",
+        *tables.aligned(["law, gains", *kinds], courses),
+        "",
+        f"Formation with perfect information, {first.trials} trials, against the same trials of particles:",
+        "",
+        *tables.aligned(
+            ["law, gains", "T_c [ms]", *_FORMATION_HEADER, *_COMMON_HEADER],
+            [[one.laws, f"{one.period_ms:g}", *_formed(one), *_common(one)] for one in report.formations],
+        ),
+        "",
+        f"The same over friction, {report.frictions[0].laws}, T_c = {1e3 * COURSE_PERIOD:g} ms:",
+        "",
+        *tables.aligned(
+            ["friction", *_FORMATION_HEADER, "hulls", "band 1 m", *_COMMON_HEADER],
+            [
+                [
+                    f"{one.friction:g}",
+                    *_formed(one),
+                    *map(tables.rate, (one.collision_footprint, one.completion_common)),
+                    *_common(one),
+                ]
+                for one in report.frictions
+            ],
+        ),
+        "",
+        "Formation: when the common band began to hold for 5 s, as a mean restricted to the duration, which counts",
+        "for trials that did not form or touched before; later by: the mean difference on the same trials; both with",
+        "95 % BCa intervals. Rates in % with 95 % Wilson intervals. Velocity and position RMS are over robots, trials",
+        "and the whole run. Yaw path (in the last 10 s) and slip are the largest of any robot in any trial.",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+_FORMATION_HEADER = ["formation [s]", "particles [s]", "later by [s]"]
+_COMMON_HEADER = ["velocity RMS [m/s]", "position RMS [m]", "yaw path [rad]", "slip [m/s]"]
+
+
+def _task(laws: Laws, seed: int, trials: int, period: float, row: str, friction: float | None = None) -> _Task:
+    gains = paper.TABLE_III[row]
+    vehicle: dict[str, Any] = {"steering": laws.steering, "gains": laws.gains}
+    if friction is not None:
+        vehicle["friction"] = friction
+    method = {"sample_period": period, "alpha_h": gains.alpha_h, "alpha_d": gains.alpha_d}
+    tree = {"vehicle": vehicle, "method": {"perfect": method}}
+    return _Task(laws=laws, setup=configuration.build(tree, seed=seed, trials=trials))
+
+
+def _formation(task: _Task) -> FormationTracking:
+    return formation_tracking.follow(task.setup, range(task.setup.trials))
+
+
+def _row(task: _Task, outcome: FormationTracking) -> FormationRow:
+    method, friction = scenario.method(task.setup, "perfect"), task.setup.vehicle.friction
+    assert isinstance(method.sample_period, float)
+    horizon = scenario.duration(task.setup)
+    rigid, particle = (
+        metrics.restricted(one.formation, np.fmin(one.contact, one.overturned), horizon)[~outcome.diverged]
+        for one in (outcome.rigid, outcome.particle)
+    )
+    return FormationRow(
+        laws=task.laws.label,
+        period_ms=1e3 * method.sample_period,
+        alpha_h=method.alpha_h,
+        alpha_d=method.alpha_d,
+        friction=friction if isinstance(friction, float) else 0.75,
+        trials=task.setup.trials,
+        formation_s=intervals.bootstrapped(rigid, task.setup.seed),
+        particle_formation_s=intervals.bootstrapped(particle, task.setup.seed),
+        formation_delay_s=intervals.paired_difference(rigid, particle, task.setup.seed),
+        settling_s=intervals.mean(outcome.rigid.settling),
+        particle_settling_s=intervals.mean(outcome.particle.settling),
+        unsettled=intervals.rate(1.0 - outcome.rigid.settled),
+        velocity_rms_mps=outcome.velocity_error,
+        position_rms_m=outcome.position_error,
+        largest_yaw_path_rad=float(outcome.yaw_path.max()),
+        largest_slip_mps=float(outcome.wheel_slip.max()),
+        collision_footprint=intervals.rate(outcome.rigid.collision_footprint.astype(float)),
+        hull_contact=intervals.rate(outcome.hull_contact),
+        completion=intervals.rate(outcome.rigid.completion),
+        completion_common=intervals.rate(outcome.rigid.completion_common),
+        diverged=int(outcome.diverged.sum()),
+    )
+
+
+def _courses(seed: int) -> dict[str, Tracking]:
+    """Drives the courses with every law: all of one kind, then all of the next."""
+    drawn = manoeuvres.of_each_kind(seed, COURSES_PER_KIND, _PURPOSE)
+    courses = manoeuvres.sampled(drawn, COURSE_DURATION, COURSE_PERIOD)
+    driven = {}
+    for laws in LAWS:
+        setup = configuration.build({"vehicle": {"steering": laws.steering, "gains": laws.gains}})
+        driven[laws.label] = tracking.follow(courses, scenario.laws(setup))
+    return driven
+
+
+def _course_rows(driven: dict[str, Tracking]) -> list[CourseRow]:
+    rows = []
+    for law, one in driven.items():
+        for index, kind in enumerate(manoeuvres.KINDS):
+            part = slice(index * COURSES_PER_KIND, (index + 1) * COURSES_PER_KIND)
+            rows.append(
+                CourseRow(
+                    laws=law,
+                    kind=kind,
+                    velocity_rms_mps=float(np.sqrt((one.velocity_error[part] ** 2).mean())),
+                    position_rms_m=float(np.sqrt((one.position_error[part] ** 2).mean())),
+                )
+            )
+    return rows
+
+
+def _first_of_each(driven: Tracking) -> Tracking:
+    return driven.part(slice(None, None, COURSES_PER_KIND))
+
+
+def _formed(row: FormationRow) -> list[str]:
+    later = tables.difference(row.formation_delay_s, 2)
+    return [tables.interval(row.formation_s), tables.interval(row.particle_formation_s), later]
+
+
+def _common(row: FormationRow) -> list[str]:
+    return [
+        f"{row.velocity_rms_mps:.3f}",
+        f"{row.position_rms_m:.2f}",
+        f"{row.largest_yaw_path_rad:.2f}",
+        f"{row.largest_slip_mps:.2f}",
+    ]

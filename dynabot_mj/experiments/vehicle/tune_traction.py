@@ -1,0 +1,316 @@
+"""Tuning of the local laws: CasADi finds the gains on a planar model, MuJoCo judges them where they were not tuned."""
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from dynabot_mj.common import intervals, tables
+from dynabot_mj.common.arrays import Array, Progress
+from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.common.intervals import Difference
+from dynabot_mj.common.tables import aligned
+from dynabot_mj.controllers import gains as gain_sets
+from dynabot_mj.controllers import tuning
+from dynabot_mj.controllers.gains import Gains
+from dynabot_mj.experiments.vehicle import manoeuvres
+from dynabot_mj.experiments.vehicle.manoeuvres import Courses, Manoeuvre
+from dynabot_mj.experiments.vehicle.parity import Parity
+from dynabot_mj.experiments.vehicle.tracking import FIELD, WELL_RADIUS, Tracking, follow
+from dynabot_mj.plants import scene
+from dynabot_mj.plants.local_laws import LocalLaws
+from dynabot_mj.plants.rigid_body import LOCAL_PERIOD
+from dynabot_mj.study.provenance import versions
+
+SteeringTable = Literal["hand_point", "heading"]
+
+COURSES, DURATION = 10, 7.0  # of the tuning, and how long each is [s]
+HELD_OUT = 20  # courses of the validation
+FRICTIONS = (0.3, 0.5, 0.75, 0.9)
+PAYLOADS = (0.0, 4.0)  # [kg]
+PERIODS = (0.010, 0.027, 0.036, 0.156)  # T_c [s]
+_TUNING, _VALIDATION = 0, 1  # purposes of random manoeuvres
+_ITERATIONS = 60
+_AT_BOUND = 0.005  # share of its range within which a gain is at its bound
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What to tune."""
+
+    steering: SteeringTable = "hand_point"
+    start: str = "first"  # gain set to start from
+    against: str = "first"  # gain set that the result has to beat
+    conditions: scene.Conditions = scene.NOMINAL
+    period: float = 0.036  # T_c [s]
+    courses: tuple[Manoeuvre, ...] = ()  # none: random ones
+    seed: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Condition:
+    """A condition of the validation, and the mean costs there."""
+
+    friction: float
+    payload_kg: float
+    period_ms: float
+    cost_before: float
+    cost_after: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validation:
+    """The verdict of MuJoCo on courses that the tuning did not use."""
+
+    conditions: tuple[Condition, ...]
+    cost_before: Array  # of each course, averaged over the conditions, (S,) [m^2/s^2]
+    cost_after: Array  # (S,)
+    improvement: Difference  # of the two
+
+    @property
+    def better(self) -> bool:
+        """Whether the costs fell for certain: the interval of the improvement is above zero."""
+        return self.improvement.low is not None and self.improvement.low > 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """A tuning and its validation."""
+
+    request: Request
+    courses: Courses
+    solution: tuning.Solution
+    validation: Validation
+    before: Tracking  # on the courses of the tuning, with the gains to beat
+    after: Tracking
+
+    @property
+    def adopted(self) -> bool:
+        """Whether the gains take the place of those to beat: better for certain, by a solver that has succeeded."""
+        return self.solution.converged and self.validation.better
+
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """How the gains were found, for the gain file."""
+        solution, improvement = self.solution, self.validation.improvement
+        return {
+            "steering": self.request.steering,
+            "start": self.request.start,
+            "against": self.request.against,
+            "seed": self.request.seed,
+            "period_s": self.request.period,
+            "model": self.request.conditions.model,
+            "payload_kg": self.request.conditions.payload,
+            "friction": scene.read_robot(self.request.conditions).vehicle.friction,
+            "courses": "given" if self.request.courses else "random",
+            "versions": versions(),
+            "iterations": solution.iterations,
+            "status": solution.status,
+            "cost_before": solution.cost_before,
+            "cost_after": solution.cost_after,
+            "validation_cost_before": float(self.validation.cost_before.mean()),
+            "validation_cost_after": float(self.validation.cost_after.mean()),
+            "validation_improvement": [one for one in (improvement.low, improvement.high) if one is not None],
+            "adopted": self.adopted,
+        }
+
+
+def run(request: Request, progress: Progress = lambda share: None) -> Result:
+    """Tunes, and validates.
+
+    Args:
+        request: What for.
+        progress: Told the share of the work that is done.
+
+    Raises:
+        InputError: If there is no such model or gain set, or a value is not allowed.
+    """
+    check(request)
+    start, against = _gains(request.start), _gains(request.against)
+    given = list(request.courses) or manoeuvres.random(request.seed, COURSES, _TUNING)
+    courses = manoeuvres.sampled(given, DURATION, request.period)
+    task = problem(request, courses)
+    solution = tuning.tune(
+        task, start, lambda iteration, cost: progress(0.6 * min(1.0, iteration / _ITERATIONS)), _ITERATIONS
+    )
+    validation = validate(request, against, solution.gains, lambda share: progress(0.6 + 0.4 * share))
+    before, after = (follow(courses, laws(one, request), request.conditions) for one in (against, solution.gains))
+    return Result(
+        request=request, courses=courses, solution=solution, validation=validation, before=before, after=after
+    )
+
+
+def check(request: Request) -> None:
+    """Checks a request before any work.
+
+    Raises:
+        InputError: If a value is not allowed, or there is no such model or gain set.
+    """
+    if not 0.005 <= request.period <= 0.5:
+        raise InputError(f"a period of {request.period:g} s given, it must be 0.005 to 0.5 s")
+    if request.seed < 0:
+        raise InputError(f"seed {request.seed} given, it must not be negative")
+    for name in (request.start, request.against):
+        _gains(name)
+    scene.read_robot(request.conditions)
+
+
+def problem(request: Request, courses: Courses) -> tuning.Problem:
+    """Returns the optimal control problem of courses."""
+    return tuning.Problem(
+        vehicle=scene.read_robot(request.conditions).vehicle,
+        dissipation=FIELD.dissipation,
+        well_radius=WELL_RADIUS,
+        well_width=FIELD.width,
+        spacing=FIELD.spacing,
+        force_w=courses.force_w,
+        well_gain=courses.gain,
+        neighbour_gain=courses.neighbour_gain,
+        neighbour_w=courses.neighbour_w,
+        start_w=courses.start_w,
+        period=request.period,
+        local_periods=math.ceil(request.period / LOCAL_PERIOD - 1e-9),
+        steering=request.steering,
+    )
+
+
+def laws(gains: Gains, request: Request) -> LocalLaws:
+    """Returns the local laws with a gain set."""
+    return LocalLaws(steering=getattr(gains, request.steering), traction=gains.traction)
+
+
+def validate(request: Request, before: Gains, after: Gains, progress: Progress = lambda share: None) -> Validation:
+    """Judges two gain sets in MuJoCo on courses that the tuning did not use, over friction, payload and period.
+
+    A course's cost is averaged over the conditions, and the courses are the sample of the interval: conditions of one
+    course are not independent.
+    """
+    held_out = manoeuvres.random(request.seed, HELD_OUT, _VALIDATION)
+    weight = tuning.Weights().position
+    frictions = sorted({*FRICTIONS, scene.read_robot(request.conditions).vehicle.friction})
+    payloads = sorted({*PAYLOADS, request.conditions.payload})
+    periods = sorted({*PERIODS, request.period})
+    found, costs = [], []
+    for done, (payload, period) in enumerate(itertools.product(payloads, periods)):
+        progress(done / (len(payloads) * len(periods)))
+        courses = manoeuvres.sampled(held_out, DURATION, period)
+        conditions = replace(request.conditions, payload=payload, friction=None)
+        # All frictions at once: the courses repeated for each.
+        repeated, friction = _repeated(courses, len(frictions)), np.repeat(frictions, HELD_OUT)
+        pair = np.stack(
+            [
+                follow(repeated, laws(one, request), conditions, friction).cost(weight).reshape(len(frictions), -1)
+                for one in (before, after)
+            ]
+        )
+        costs.append(pair)
+        for index, value in enumerate(frictions):
+            found.append(
+                Condition(
+                    friction=value,
+                    payload_kg=payload,
+                    period_ms=1e3 * period,
+                    cost_before=float(pair[0, index].mean()),
+                    cost_after=float(pair[1, index].mean()),
+                )
+            )
+    cost_before, cost_after = np.concatenate(costs, axis=1).mean(axis=1)
+    return Validation(
+        conditions=tuple(found),
+        cost_before=cost_before,
+        cost_after=cost_after,
+        improvement=intervals.paired_difference(cost_before, cost_after, request.seed),
+    )
+
+
+def document(result: Result, models: Parity) -> dict[str, Any]:
+    """Returns the JSON document of the tuning."""
+    return {
+        "provenance": result.provenance,
+        "converged": result.solution.converged,
+        "gains": asdict(result.solution.gains),
+        "history": result.solution.history,
+        "parity_rms_by_range": dict(zip(models.signals, models.error.tolist(), strict=True)),
+        "validation": {
+            "conditions": [asdict(one) for one in result.validation.conditions],
+            "improvement": asdict(result.validation.improvement),
+        },
+    }
+
+
+def markdown(result: Result, models: Parity) -> str:
+    """Returns the tuning as tables."""
+    request, solution, validation = result.request, result.solution, result.validation
+    old, new = _gains(request.against), solution.gains
+    table = [
+        [name, *(f"{_value(one, request, name):.4g}" for one in (old, new)), _bounds(name, _value(new, request, name))]
+        for name in tuning.free(request.steering)
+    ]
+    body = [
+        [f"{one.friction:g}", f"{one.payload_kg:g}", f"{one.period_ms:g}", *_costs(one.cost_before, one.cost_after)]
+        for one in validation.conditions
+    ]
+    verdict = "better" if validation.better else f"not better than {request.against}"
+    verdict += ": adopted" if result.adopted else ": not adopted"
+    if not solution.converged:
+        verdict += ", the solver did not succeed"
+    lines = [
+        f"# Tuning of {request.steering}, from {request.start}, seed {request.seed}, T_c = {1e3 * request.period:g} ms",
+        "",
+        f"IPOPT: {solution.status}, {solution.iterations} iterations; cost in the planar model "
+        f"{solution.cost_before:.4f} -> {solution.cost_after:.4f} m^2/s^2",
+        "",
+        *aligned(["gain", request.against, "tuned", "bounds"], table),
+        "",
+        f"## Validation in MuJoCo, on {len(validation.cost_before)} courses that the tuning did not use",
+        "",
+        *aligned(["friction", "payload [kg]", "T_c [ms]", f"cost, {request.against}", "cost, tuned", "change"], body),
+        "",
+        f"Mean cost {validation.cost_before.mean():.4f} -> {validation.cost_after.mean():.4f} m^2/s^2, improvement "
+        f"{tables.difference(validation.improvement, 4)}, paired over courses, 95 %: {verdict}.",
+        "",
+        "RMS difference of planar model and MuJoCo on the acceptance course, in % of each signal's range: "
+        + ", ".join(f"{name} {100.0 * one:.1f}" for name, one in zip(models.signals, models.error, strict=True)),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _gains(name: str) -> Gains:
+    try:
+        return gain_sets.load(name)
+    except (FileNotFoundError, ValueError) as error:
+        raise InputError(str(error)) from error
+
+
+def _bounds(name: str, tuned: float) -> str:
+    """Returns between what a gain was sought, and whether it ended there: the optimum may lie beyond."""
+    low, high = tuning.BOUNDS[name]
+    near = min(tuned - low, high - tuned) < _AT_BOUND * (high - low)
+    return f"{low:g} to {high:g}" + (", at its bound" if near else "")
+
+
+def _value(gains: Gains, request: Request, name: str) -> float:
+    return float({**asdict(getattr(gains, request.steering)), **asdict(gains.traction)}[name])
+
+
+def _costs(before: float, after: float) -> Sequence[str]:
+    return f"{before:.4f}", f"{after:.4f}", f"{100.0 * (after / before - 1.0):+.0f} %"
+
+
+def _repeated(courses: Courses, times: int) -> Courses:
+    """Returns courses repeated as a whole."""
+
+    def tiled(array: Array) -> Array:
+        return np.tile(array, (times, *[1] * (array.ndim - 1)))
+
+    return Courses(
+        force_w=tiled(courses.force_w),
+        gain=tiled(courses.gain),
+        neighbour_gain=tiled(courses.neighbour_gain),
+        neighbour_w=tiled(courses.neighbour_w),
+        start_w=tiled(courses.start_w),
+        period=courses.period,
+    )

@@ -1,0 +1,84 @@
+"""The two kinds of robots behind one protocol: `particle` (point masses) and `rigid_body` (MuJoCo)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from dynabot_mj.common.arrays import Array, BoolArray
+
+# Collisions are looked for at least this often, by both plants alike [s].
+LOOK_PERIOD = 0.010
+
+
+@dataclass(frozen=True, kw_only=True)
+class FleetState:
+    """True planar state of all robots of all trials at one instant."""
+
+    time: float  # [s]
+    position_w: Array  # (B, n, 2) of the robots' centres [m]
+    velocity_w: Array  # (B, n, 2) of the centres [m/s]
+    heading: Array  # (B, n) from the world's x axis, not wrapped [rad]
+    yaw_rate: Array  # (B, n) [rad/s]
+    # (B, n, 2) integral since the start of what ideal accelerometers feel ahead and to the left, gravity in a tilted
+    # robot included [m/s]: differences between two times are velocity increments, as inertial units give them.
+    velocity_increment_b: Array
+    # Of bodies; None: point masses.
+    pose: Array | None = None  # (B, n, 11) MuJoCo's coordinates: the free joint's, then the wheels' angles [rad]
+    wheel_speed: Array | None = None  # (B, n, 4) in the order of `scene.WHEELS` [rad/s]
+
+
+@dataclass(frozen=True, kw_only=True)
+class NavigationError:
+    """What the signals that local laws run on are off by, at the beginning of a gap and held through it."""
+
+    heading: Array  # (B, n) of the believed heading; it grows by the yaw rate's error [rad]
+    yaw_rate: Array  # (B, n) of the gyro, the believed bias taken off [rad/s]
+    # (B, n, 2) of the accelerometer, the believed bias taken off [m/s^2]; None: it tells the true acceleration
+    acceleration_b: Array | None
+
+
+class Plant(Protocol):
+    """Robots that are pushed by force commands."""
+
+    @property
+    def state(self) -> FleetState:
+        """The state now."""
+        ...
+
+    @property
+    def diverged(self) -> BoolArray:
+        """Trials whose simulation broke down at some time and no longer means anything, (B,)."""
+        ...
+
+    @property
+    def hull_contact(self) -> Array | BoolArray:
+        """Trials in which a hull has touched anything so far, (B,); NaN where there are no hulls."""
+        ...
+
+    @property
+    def wheel_slip(self) -> Array:
+        """Largest speed of a tyre along its wheel's plane against the ground so far, (B,) [m/s]; NaN without wheels."""
+        ...
+
+    @property
+    def odometry_w(self) -> Array:
+        """Velocity by wheels and accelerometer, (B, n, 2) [m/s]; NaN without wheels."""
+        ...
+
+    @property
+    def reference_w(self) -> Array:
+        """Velocity of the point mass that the robots imitate, (B, n, 2) [m/s]; NaN where they are point masses."""
+        ...
+
+    def step(self, force_w: Array, gap: float, error: NavigationError | None = None) -> Sequence[FleetState]:
+        """Advances all robots under a held force command.
+
+        Args:
+            force_w: Total command on each robot, (B, n, 2) [N].
+            gap: Time until the next event [s].
+            error: Of what local laws run on; None: ideal sensors and a known heading.
+
+        Returns:
+            The states passed through, at most `LOOK_PERIOD` apart, the last one at the end of the gap.
+        """
+        ...

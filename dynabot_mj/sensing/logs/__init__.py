@@ -1,0 +1,1 @@
+"""Samples of a real or simulated robot as CSV and NetCDF; docs/logs.md."""

@@ -1,0 +1,155 @@
+"""A study: cases x trials -> one xarray Dataset.
+
+The Dataset carries the science (configuration, versions, seed); how it was executed is the caller's to note elsewhere,
+so that equal studies are equal bytes.
+"""
+
+import json
+import operator
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from dynabot_mj.common.arrays import Progress
+from dynabot_mj.study import configuration, provenance, scenario
+from dynabot_mj.study.execution import Execution, execute
+from dynabot_mj.study.scenario import Case, Scenario
+from dynabot_mj.trial.loop import Outcome
+
+_HERE = Execution()  # in this process
+
+# Of each outcome: where it is, its dimensions behind `case`, unit and meaning. All are NaN for trials that diverged.
+_TRIAL = ("trial",)
+_LAGS = ("trial", "lag")
+_VARIABLES = {
+    "arrival": ("scores.arrival", _TRIAL, "s", "when the robots had come to the leader's well; NaN: not at all"),
+    "formation": ("scores.formation", _TRIAL, "s", "when the common band began to hold for 5 s; NaN: never"),
+    "in_band": ("scores.in_band", _TRIAL, "1", "share of the time since arrival in the common band; NaN: not arrived"),
+    "contact": ("scores.contact", _TRIAL, "s", "when two footprints first overlapped; NaN: never"),
+    "overturned": ("scores.overturned", _TRIAL, "s", "when a body was first on its side or back; NaN: never"),
+    "settling": (
+        "scores.settling",
+        _TRIAL,
+        "s",
+        "1 % settling time of the mean distance to the leader",
+    ),
+    "settled": ("scores.settled", _TRIAL, "1", "1: settled, 0: not; NaN: collided or too short"),
+    "collision": ("scores.collision", _TRIAL, "1", "1: two centres came nearer than the collision distance"),
+    "collision_footprint": ("scores.collision_footprint", _TRIAL, "1", "1: two footprints overlapped"),
+    "completion": ("scores.completion", _TRIAL, "1", "1: formation within the method's own tolerance"),
+    "completion_common": ("scores.completion_common", _TRIAL, "1", "1: formation within 1 m"),
+    "top_speed": ("scores.top_speed", _TRIAL, "m/s", "highest speed of any robot"),
+    "closest": ("scores.closest", _TRIAL, "m", "smallest distance between two centres"),
+    "hull_contact": ("hull_contact", _TRIAL, "1", "1: a hull touched something; NaN for point masses"),
+    "wheel_slip": ("wheel_slip", _TRIAL, "m/s", "largest slip of a tyre along its wheel; NaN for point masses"),
+    "message_age": ("message_age", _TRIAL, "s", "mean age of the neighbours' positions when acted on"),
+    "position_autocovariance": ("errors.position", _LAGS, "m2", "of the believed positions' errors, per axis"),
+    "velocity_autocovariance": ("errors.velocity", _LAGS, "m2 s-2", "of the believed velocities' errors, per axis"),
+    "heading_autocovariance": ("errors.heading", _LAGS, "rad2", "of the headings' errors that local laws have"),
+    "stale": ("errors.stale", _TRIAL, "1", "share of the samples at which a robot had no fresh belief of its own"),
+    "restarts": ("errors.restarts", _TRIAL, "1", "estimators that broke down and were started again"),
+    "final_position_w": ("final_position_w", ("trial", "robot", "axis"), "m", "position of the centre at the end"),
+    "final_heading": ("final_heading", ("trial", "robot"), "rad", "heading at the end"),
+    "trajectory_w": ("trajectory_w", ("recorded", "time", "robot", "axis"), "m", "path of the centre"),
+}
+# Those that older studies do not have.
+_FIRST_PASSAGES = ("arrival", "formation", "in_band", "contact", "overturned")
+
+
+def run(setup: Scenario, execution: Execution = _HERE, progress: Progress = lambda share: None) -> xr.Dataset:
+    """Runs all trials of all cases of a study.
+
+    Args:
+        setup: The study's configuration.
+        execution: How to execute it.
+        progress: Called now and then.
+
+    Raises:
+        InputError: If the configuration contradicts itself.
+
+    Returns:
+        Dimensions `case`, `trial`, `robot`, `axis`, `recorded`, `time`; each variable states its unit. Scores of
+        diverged trials are NaN.
+    """
+    configuration.check(setup)
+    return _dataset(setup, execute(setup, execution, progress))
+
+
+def save(dataset: xr.Dataset, path: Path) -> None:
+    """Writes a Dataset as NetCDF; equal Datasets give equal bytes.
+
+    Raises:
+        OSError: If it cannot be written, as on a full disk, which the NetCDF library itself would not survive.
+    """
+    Path(path).write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+
+
+def load(path: Path) -> xr.Dataset:
+    """Reads a Dataset that `save` wrote, whole.
+
+    One of an older version, which has no first passages, is judged as today: hulls that touched fail the common
+    completion, where it counted centres.
+    """
+    with xr.open_dataset(path, engine="h5netcdf") as dataset:
+        study = dataset.load()
+    if "contact" not in study.variables and {"completion_common", "collision_footprint"} <= set(study.variables):
+        common = study.completion_common
+        study["completion_common"] = common.where(common.isnull() | (study.collision_footprint != 1.0), 0.0)
+    return study
+
+
+def missing(study: xr.Dataset) -> list[str]:
+    """Returns which of the variables that every version writes a Dataset lacks."""
+    expected = ("diverged", *(name for name in _VARIABLES if name not in _FIRST_PASSAGES), "error_lag")
+    return [name for name in expected if name not in study.variables]
+
+
+def _dataset(setup: Scenario, by_case: Mapping[Case, list[Outcome]]) -> xr.Dataset:
+    """Joins the chunks of each case along the trials, and the cases."""
+    cases = list(by_case)
+
+    def joined(path: str) -> npt.NDArray[Any]:
+        read = operator.attrgetter(path)
+        return np.stack([np.concatenate([read(outcome) for outcome in by_case[case]]) for case in cases])
+
+    diverged = joined("diverged")
+    variables: dict[str, Any] = {
+        "diverged": (("case", *_TRIAL), diverged.astype(np.int8), {"units": "1", "long_name": "1: broke down"})
+    }
+    for name, (path, dimensions, unit, meaning) in _VARIABLES.items():
+        values = joined(path).astype(float)
+        broken = diverged if "trial" in dimensions else diverged[:, : values.shape[1]]
+        values[broken] = np.nan
+        variables[name] = (("case", *dimensions), values, {"units": unit, "long_name": meaning})
+    rows = [scenario.method(setup, case.estimator) for case in cases]
+    periods = np.array([scenario.periods(setup, case.estimator) for case in cases]) * setup.processor.tick
+    variables["error_lag"] = (("case", "lag"), joined("errors.lag")[:, 0], {"units": "s", "long_name": "of the above"})
+    variables["sample_period"] = ("case", periods[:, 0], {"units": "s"})
+    variables["control_period"] = ("case", periods[:, 1], {"units": "s"})
+    variables["alpha_h"] = ("case", [row.alpha_h for row in rows], {"units": "N m"})
+    variables["alpha_d"] = ("case", [row.alpha_d for row in rows], {"units": "N m"})
+    first = next(iter(by_case.values()))[0]
+    coordinates = {
+        "case": [case.label for case in cases],
+        "plant": ("case", [case.plant for case in cases]),
+        "perception": ("case", [case.perception or "" for case in cases]),
+        "estimator": ("case", [case.estimator for case in cases]),
+        "velocity": ("case", [scenario.velocity(setup, case) for case in cases]),
+        "trial": np.arange(setup.first_trial, setup.first_trial + setup.trials),
+        "time": ("time", first.time, {"units": "s"}),
+        "axis": ["x", "y"],
+    }
+    attributes = {
+        "title": "Formation control under limited computation: point masses and rigid bodies",
+        "configuration": configuration.dump(setup),
+        "inputs": json.dumps(provenance.inputs(setup)),
+        "controller": setup.controller,
+        "versions": provenance.versions(),
+        "seed": setup.seed,
+        "duration": scenario.duration(setup),
+    }
+    return xr.Dataset(variables, coordinates, attributes)

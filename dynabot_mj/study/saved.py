@@ -1,0 +1,54 @@
+"""Studies that were saved: read and checked, and whether their trials can be repeated here."""
+
+import json
+from pathlib import Path
+
+import xarray as xr
+
+from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.formation import laws
+from dynabot_mj.study import configuration, dataset, provenance, scenario
+
+
+def load(place: Path) -> tuple[xr.Dataset, Path]:
+    """Reads a saved study.
+
+    Args:
+        place: Its file, or the folder of its results.
+
+    Returns:
+        The Dataset and its file.
+
+    Raises:
+        InputError: If there is none, or it cannot be read.
+    """
+    path = place / "study.nc" if place.is_dir() else place
+    if not path.is_file():
+        raise InputError(f"there is no study at {path}")
+    try:
+        saved = dataset.load(path)
+    except (OSError, ValueError) as error:
+        raise InputError(f"cannot read the study {path}: {error}") from error
+    for name in ("configuration", "case", "trial"):
+        if name not in saved.attrs and name not in saved.coords:
+            raise InputError(f"the study {path} is not as it was saved: it has no {name}")
+    laws.look_in(_folder(path))  # of a law of the user's
+    labels = [case.label for case in scenario.cases(configuration.load(saved.attrs["configuration"], str(path)))]
+    if labels != saved.case.values.tolist():
+        raise InputError(f"the study {path} is not as it was saved: configured are the cases {', '.join(labels)}")
+    return saved, path
+
+
+def _folder(path: Path) -> Path | None:
+    """Returns the working directory that a saved study was run in; None where nothing says it."""
+    try:
+        return Path(json.loads(path.with_name("execution.json").read_text(encoding="utf-8"))["folder"])
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
+
+
+def changed_input(saved: xr.Dataset) -> str | None:
+    """Returns which of the files that a saved study read has changed since; None where its trials can be repeated."""
+    was = json.loads(saved.attrs.get("inputs", "{}"))  # older studies do not say
+    setup = configuration.load(saved.attrs["configuration"], "the study's configuration")
+    return next((name for name, digest in provenance.inputs(setup).items() if was.get(name) != digest), None)

@@ -1,0 +1,29 @@
+import numpy as np
+import pytest
+
+from dynabot_mj.estimation.build import NAMES
+from dynabot_mj.estimation.parameters import DEFAULT
+from dynabot_mj.perception.options import FilterOptions, FittedOptions
+from dynabot_mj.study import configuration
+
+
+def test_filters_assume_what_the_estimators_do_by_default():
+    assumed = FilterOptions()
+    assert {name: getattr(assumed, name) for name in vars(DEFAULT)} == vars(DEFAULT)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_fitted_errors_are_about_as_large_as_the_filters(name):
+    # The position errors in the loop that docs/estimation.md tells: 1.25, 0.74 and 0.70 m per axis.
+    error = getattr(FittedOptions(), name)
+    expected = {"gps": 1.25, "decoupled": 0.74, "coupled": 0.70}[name]
+    assert np.sqrt(sum(one.deviation**2 for one in error.position)) == pytest.approx(expected, abs=0.01)
+    assert error.velocity
+    assert error.heading
+
+
+def test_parts_that_are_not_given_are_exact():
+    position = [{"deviation": 1.0, "time": 2.0}]
+    setup = configuration.build({"fitted": {"gps": {"position": position}}})
+    assert setup.fitted.gps.velocity == setup.fitted.gps.heading == ()
+    assert setup.fitted.coupled == FittedOptions().coupled

@@ -1,0 +1,89 @@
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+
+from dynabot_mj import study
+from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.study import configuration, execution, provenance
+from dynabot_mj.study.execution import Execution
+
+
+@pytest.fixture(autouse=True)
+def small_chunks(monkeypatch):
+    monkeypatch.setattr(execution, "CHUNK", 2)
+
+
+def test_the_same_study_is_the_same_file_whatever_its_execution(dataset, short, saved):
+    first = saved(dataset)
+    assert saved(study.run(short, Execution(threads=3))) == first
+    assert saved(study.run(short, Execution(workers=2))) == first
+
+
+def test_chunks_do_not_show(dataset, monkeypatch, short, saved):
+    whole = saved(dataset)  # made in one chunk a case; two of them make the file above
+    monkeypatch.setattr(execution, "CHUNK", 1)
+    assert saved(study.run(short)) == whole
+
+
+def test_an_interrupted_study_resumes_where_it_was(dataset, tmp_path, short, saved):
+    chunks = tmp_path / "chunks"
+    told = []
+
+    def interrupt(share):
+        told.append(share)
+        if share > 0.6:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        study.run(short, Execution(chunks=chunks), interrupt)
+    kept = {file.name: file.stat().st_mtime_ns for file in chunks.iterdir()}
+    assert kept
+    assert not any("partial" in name for name in kept)
+    resumed = study.run(short, Execution(chunks=chunks, resume=True))
+    assert saved(resumed) == saved(dataset)
+    assert all((chunks / name).stat().st_mtime_ns == time for name, time in kept.items())
+    with pytest.raises(InputError, match="parts of another study"):
+        study.run(replace(short, seed=1), Execution(chunks=chunks, resume=True))
+    execution.forget(short, chunks)
+    assert not chunks.exists()
+
+
+def test_parts_of_another_version_of_the_code_are_not_taken(monkeypatch, short):
+    chunk = next(execution._chunks(short, 1))
+    name = chunk.name
+    assert next(execution._chunks(replace(short, seed=1), 1)).name != name
+    assert next(execution._chunks(replace(short, trials=9), 3)).name == name
+    monkeypatch.setattr(provenance, "source_digest", lambda: "another")
+    assert chunk.name != name
+
+
+def test_progress_rises_to_one(short):
+    told = []
+    study.run(replace(short, duration=2.0), progress=told.append)
+    assert told == sorted(told)
+    assert told[-1] == pytest.approx(1.0)
+
+
+# In a process of its own: distributed leaves sockets to the garbage collector, whose warnings would fail other tests.
+DASK = """
+import sys
+import distributed
+from dynabot_mj import study
+from dynabot_mj.study import configuration
+from dynabot_mj.study.execution import Execution
+
+options = dict(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=":0")
+with distributed.LocalCluster(**options) as cluster:
+    setup = configuration.load(sys.stdin.read(), "stdin")
+    study.save(study.run(setup, Execution(scheduler=cluster.scheduler_address)), sys.argv[1])
+"""
+
+
+def test_a_dask_cluster_gives_the_same_result(dataset, tmp_path, short, saved):
+    pytest.importorskip("distributed")
+    text = configuration.dump(short)
+    command = [sys.executable, "-c", DASK, tmp_path / "a.nc"]
+    subprocess.run(command, input=text, text=True, check=True, capture_output=True, timeout=300)
+    assert (tmp_path / "a.nc").read_bytes() == saved(dataset)

@@ -1,0 +1,13 @@
+from dynabot_mj.study import provenance
+
+
+def test_the_digest_covers_every_room_the_leaves_the_models_and_the_gains():
+    names = {"/".join(file.parts[-3:]) for file in provenance.sources()}
+    for name in (
+        "dynabot_mj/trial/loop.py",
+        "dynabot_mj/testbed/radio.py",
+        "dynabot_mj/models/dynabot.xml",
+        "dynabot_mj/estimation/kalman.py",
+        "controllers/gains/tuned.toml",
+    ):
+        assert name in names

@@ -1,7 +1,0 @@
-from dynabot_mj import view
-
-
-def test_a_display_that_does_not_answer_is_none(monkeypatch):
-    monkeypatch.setenv("DISPLAY", ":9999")
-    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    assert not view.display_answers()
