@@ -1,1 +1,4 @@
-"""Every figure, one file per subject; `style` says how all of them look. The only room with Matplotlib."""
+"""Every figure, one file per subject; `style` says how all of them look.
+
+Comes in: whatever draws with Matplotlib; nobody else does, but for the report's SVG.
+"""

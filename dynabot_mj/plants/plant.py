@@ -1,4 +1,4 @@
-"""The two kinds of robots behind one protocol: `particle` (point masses) and `rigid_body` (MuJoCo)."""
+"""The protocol of robots that are pushed by force commands, and their true state."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,1 +1,4 @@
-"""Questions about the estimators alone: Table II and Fig. 3, consistency, faults, recorded logs, what they cost."""
+"""Questions about the estimators alone: Table II and Fig. 3, consistency, faults, recorded logs, what they cost.
+
+Comes in: what needs no formation.
+"""

@@ -1,1 +1,4 @@
-"""Questions about one vehicle: how it drives, how well it follows commands, with which gains."""
+"""Questions about one vehicle: how it drives, how well it follows commands, with which gains.
+
+Comes in: what needs neither a radio nor an estimator.
+"""
