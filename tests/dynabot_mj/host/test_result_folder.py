@@ -132,7 +132,7 @@ def test_lists_of_older_versions_and_broken_ones(tmp_path, text):
 
 HOLD = """
 import pathlib, sys, time
-from dynabot_mj import result_folder
+from dynabot_mj.host import result_folder
 with result_folder.locked(pathlib.Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(600)
