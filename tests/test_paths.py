@@ -29,6 +29,12 @@ def test_modules_in_documents_exist(document):
         assert any(place.is_dir() or place.with_suffix(".py").is_file() for place in places), name
 
 
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_imports_in_documents_work(document):
+    for line in re.findall(r"^from dynabot_mj[\w.]* import .*$", document.read_text(encoding="utf-8"), flags=re.M):
+        exec(line, {})
+
+
 def test_every_room_of_the_layout_is_there():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     layout = text[text.index("## Layout") :]
