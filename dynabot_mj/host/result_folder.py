@@ -66,8 +66,12 @@ class ResultFolder:
             written = sorted(file.name for file in stage.iterdir())
             if unknown := [name for name in written if not _any_matches(name, self.contents.files)]:
                 raise AssertionError(f"results that were not announced: {', '.join(unknown)}")
+            earlier = set(self.earlier.files if self.earlier else ())
             with files.uninterrupted():
-                for name in set(self.earlier.files if self.earlier else ()) - set(written):
+                # Whatever ends us from here on, all of these are ours, and none of them is taken for a whole study.
+                mixed = sorted(earlier | set(written))
+                _list(self.path, Contents(command=self.contents.command, options={}, files=mixed))
+                for name in earlier - set(written):
                     _remove(self.path, name)
                 for name in written:
                     os.replace(stage / name, self.path / name)
@@ -111,7 +115,6 @@ def locked(place: Path) -> Iterator[None]:
     """
     import filelock  # takes its time
 
-    name = place / _LOCK if place.is_dir() else place.with_name(f"{_LOCK}-{files.short(place.name)}")
     name = place / _LOCK if place.is_dir() else place.with_name(f"{_LOCK}-{files.short(place.name)}")
     lock = filelock.FileLock(name, timeout=WAIT)
     try:

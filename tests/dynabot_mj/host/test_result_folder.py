@@ -1,4 +1,5 @@
 import json
+import os
 import subprocess
 import sys
 
@@ -42,6 +43,27 @@ def test_results_appear_only_when_all_are_complete(tmp_path):
     write(tmp_path, a_txt="newer")
     # What the next results lack is gone with the earlier ones; what is not of ours stays.
     assert visible(tmp_path) == {"a.txt": "newer", "mine.txt": "keep"}
+
+
+def test_results_that_are_cut_in_two_are_still_ours_and_not_whole(tmp_path, monkeypatch):
+    write(tmp_path, a_txt="0", b_txt="0")
+    replace, moved = os.replace, []
+
+    def dies(source, place):
+        if place.name in ("a.txt", "b.txt"):
+            moved.append(place.name)
+        if len(moved) == 2:
+            raise OSError("no power")
+        replace(source, place)
+
+    monkeypatch.setattr(result_folder.os, "replace", dies)
+    with pytest.raises(OSError, match="no power"):
+        write(tmp_path, a_txt="1", b_txt="1")
+    monkeypatch.undo()
+    with result_folder.opened(tmp_path, contents(seed=0), keep=False) as folder:
+        assert not folder.same
+    write(tmp_path, keep=False, a_txt="2", b_txt="2")
+    assert visible(tmp_path) == {"a.txt": "2", "b.txt": "2"}
 
 
 def test_results_that_were_not_announced_are_an_error_of_ours(tmp_path):
