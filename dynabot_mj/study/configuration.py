@@ -22,8 +22,8 @@ from dynabot_mj.perception import filter_parameters
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.options import VehicleOptions
 from dynabot_mj.sensing import errors
+from dynabot_mj.study.methods import Methods
 from dynabot_mj.study.scenario import (
-    Methods,
     Scenario,
     conditions,
     duration,

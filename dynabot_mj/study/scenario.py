@@ -8,7 +8,7 @@ describes the same study when one of those others is changed. `dynabot_mj.config
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Literal, get_args
 
 import numpy as np
 from pydantic import Field
@@ -17,7 +17,7 @@ from pydantic.dataclasses import dataclass
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.common.streams import Purpose, generators
-from dynabot_mj.common.validation import STRICT, NotNegative, Positive
+from dynabot_mj.common.validation import STRICT, Positive
 from dynabot_mj.controllers import gains, odometry
 from dynabot_mj.controllers.potential_field import PotentialField, Well, polygon_circumradius
 from dynabot_mj.controllers.steering import HandPoint, Heading
@@ -29,6 +29,7 @@ from dynabot_mj.plants import scene
 from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.plants.options import VehicleOptions
 from dynabot_mj.sensing.errors import SensorOptions
+from dynabot_mj.study.methods import Method, Methods
 from dynabot_mj.testbed import paper, schedule
 from dynabot_mj.testbed.options import ProcessorOptions, RadioOptions
 from dynabot_mj.testbed.radio import INSTANT_LINK, Link, dynabot_link
@@ -46,44 +47,6 @@ VELOCITIES: tuple[VelocityName, ...] = get_args(VelocityName)
 # By the number of robots: 80 s reproduces Table III; more robots take longer, and in these times more than 95 % of the
 # point masses of the slowest row, gps, arrive (docs/measures.md).
 DURATIONS = {2: 80.0, 3: 80.0, 4: 100.0, 5: 120.0, 6: 160.0, 7: 240.0}  # [s]; ours
-
-PositiveOrInfinite = Annotated[float, Field(gt=0.0)]
-
-
-@dataclass(frozen=True, kw_only=True, config=STRICT)
-class Method:
-    """One row of Table III: an estimator, and the gains and periods that go with it."""
-
-    alpha_h: Positive  # gain of the leader's potential [N m]
-    alpha_d: Positive  # gain of the inter-robot potential [N m]
-    uncertainty: NotNegative  # sigma of the position estimate [m]; 0: perfect information, and no radio
-    estimation_time: NotNegative  # t_se [s]
-    force_limit: PositiveOrInfinite = 50.0  # of the norm of the total command [N]; inf: none
-    sample_period: Positive | Literal["auto"] = "auto"  # T_s [s]; auto: Eq. 3, rounded to the timer's tick
-    control_period: Positive | Literal["auto"] = "auto"  # T_c [s]; auto: the sample period
-
-
-def _method(name: str, **others: Any) -> Method:
-    row, figures = paper.TABLE_III[name], paper.TABLE_II.get(name)
-    return Method(
-        alpha_h=row.alpha_h,
-        alpha_d=row.alpha_d,
-        uncertainty=figures.uncertainty if figures else 0.0,
-        estimation_time=figures.estimation_time if figures else 0.0,
-        **others,
-    )
-
-
-@dataclass(frozen=True, kw_only=True, config=STRICT)
-class Methods:
-    """The rows that can be compared."""
-
-    # The paper's 10 ms is the authors' choice and outside Eq. 2. The row's first command is 52 N, and it is the
-    # best case "for the given control parameters", so it is not limited.
-    perfect: Method = _method("perfect", sample_period=paper.TABLE_III["perfect"].period, force_limit=float("inf"))
-    gps: Method = _method("gps")
-    decoupled: Method = _method("decoupled")
-    coupled: Method = _method("coupled")
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
