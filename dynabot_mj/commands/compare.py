@@ -69,20 +69,20 @@ def compare(options: argparse.Namespace) -> None:
 
 def _draw(comparison: Any, stage: Path) -> None:
     """Draws the figures of a comparison."""
-    from dynabot_mj.figures import compare, distributions, style
+    from dynabot_mj.figures import autocorrelations, bars, distributions, paths, style
 
     study = comparison.study
-    if (errors := compare.errors(study)) is not None:
+    if (errors := autocorrelations.errors(study)) is not None:
         style.save(errors, stage / "errors.png")
-    style.save(compare.table_iii(comparison), stage / "table_iii.png")
-    style.save(compare.outcomes(comparison), stage / "outcomes.png")
+    style.save(bars.table_iii(comparison), stage / "table_iii.png")
+    style.save(bars.outcomes(comparison), stage / "outcomes.png")
     if (incidence := distributions.incidence(study)) is not None:
         style.save(incidence, stage / "incidence.png")
     shown = list(dict.fromkeys(zip(study.estimator.values, study.perception.values, strict=True)))
     for estimator, perception in shown:
         several = sum(name == estimator for name, _ in shown) > 1
         name = f"trajectories_{estimator}_{perception}" if several else f"trajectories_{estimator}"
-        style.save(compare.trajectories(study, estimator, perception), stage / f"{name}.png")
+        style.save(paths.trajectories(study, estimator, perception), stage / f"{name}.png")
 
 
 def _setup(options: argparse.Namespace) -> Any:

@@ -19,7 +19,7 @@ def run(options: argparse.Namespace) -> None:
     import numpy as np
 
     from dynabot_mj.experiments.formation import case_rows, single_trial
-    from dynabot_mj.figures import compare, style
+    from dynabot_mj.figures import paths, style
 
     setup = trials.chosen(options)
     with studies.opened(options, "run", setup, _FILES, kept=lambda folder: "") as folder:
@@ -30,7 +30,7 @@ def run(options: argparse.Namespace) -> None:
         row["final_position_m"] = [[float(x) if np.isfinite(x) else None for x in place] for place in places]
         shown = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places)
         text = single_trial.markdown(case) + f"\nfinal positions [m]: {shown}"
-        figure = compare.trajectories(study, setup.estimators[0], str(case.perception.item()))
+        figure = paths.trajectories(study, setup.estimators[0], str(case.perception.item()))
         with studies.staged(folder, setup, study, options, wall_s) as stage:
             (stage / "run.json").write_text(results.dump(row), encoding="utf-8")
             (stage / "run.md").write_text(text, encoding="utf-8")

@@ -6,9 +6,9 @@ from dynabot_mj.common.arrays import Array
 from dynabot_mj.host import opengl
 from dynabot_mj.plants import free_joint, scene
 from dynabot_mj.plants.local_laws import Drivers
-from dynabot_mj.plants.plant import LOOK_PERIOD, FleetState
+from dynabot_mj.plants.plant import LONGEST_SUBSTEP, FleetState
 from dynabot_mj.plants.rigid_body import divided
-from dynabot_mj.study import scenario
+from dynabot_mj.study import fleet
 from dynabot_mj.study.scenario import Scenario
 
 with opengl.for_dm_control():
@@ -33,17 +33,17 @@ class FleetPhysics(mujoco.Physics):
         """
         _, self.period, self.steps = divided(gap)
         self.model.opt.timestep = self.period / self.steps
-        self._per_look = max(1, int(LOOK_PERIOD / self.model.opt.timestep + 1e-9))
-        self._laws, self._robot = scenario.laws(setup), scene.read_robot(scenario.conditions(setup))
-        robots = setup.robots
-        self._qpos = self.data.qpos.reshape(1, robots, -1)
-        self._qvel = self.data.qvel.reshape(1, robots, -1)
-        self._ctrl = self.data.ctrl.reshape(1, robots, len(scene.WHEELS), 2)
+        self._per_substep = max(1, int(LONGEST_SUBSTEP / self.model.opt.timestep + 1e-9))
+        self._laws, self._robot = fleet.local_laws(setup), scene.read_robot(fleet.conditions(setup))
+        count = setup.robots
+        self._qpos = self.data.qpos.reshape(1, count, -1)
+        self._qvel = self.data.qvel.reshape(1, count, -1)
+        self._ctrl = self.data.ctrl.reshape(1, count, len(scene.WHEELS), 2)
         # Robots are alike and follow each other, their bodies behind the field's: so these are views as well.
         chassis = int(self.model.joint(f"{scene.prefix(0)}free").bodyid[0])
         hull = int(self.model.sensor(f"{scene.prefix(0)}hull_contact").adr[0])
-        self._axes = self.data.xmat[chassis:].reshape(robots, -1, 9)[:, 0]
-        self._contacts = self.data.sensordata.reshape(robots, -1)[:, hull]
+        self._axes = self.data.xmat[chassis:].reshape(count, -1, 9)[:, 0]
+        self._contacts = self.data.sensordata.reshape(count, -1)[:, hull]
 
     @property
     def state(self) -> FleetState:
@@ -84,7 +84,7 @@ class FleetPhysics(mujoco.Physics):
             done = 0
             while done < self.steps:
                 # A touch may be over before the period is: hulls push each other apart.
-                count = min(self._per_look, self.steps - done)
+                count = min(self._per_substep, self.steps - done)
                 done += count
                 super().step(count)
                 self._touched = self._touched or bool(self._contacts.any())

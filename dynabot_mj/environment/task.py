@@ -41,9 +41,10 @@ from dynabot_mj.formation.leader import LEADER_W
 from dynabot_mj.formation.starts import starts
 from dynabot_mj.host import opengl
 from dynabot_mj.plants import scene
-from dynabot_mj.study import assembly, configuration, scenario
+from dynabot_mj.study import assembly, configuration, fleet, scenario
 from dynabot_mj.study.scenario import Case, EstimatorName, Scenario
 from dynabot_mj.testbed.radio import Radio
+from dynabot_mj.trial.team import Team
 
 with opengl.for_dm_control():
     from dm_control.mujoco import wrapper
@@ -127,8 +128,8 @@ class FormationTask(control.Task):
             observation: What is seen of them.
         """
         self._setup, self._case, self._action, self._observation = setup, case, action, observation
-        self._field = scenario.field(setup, case.estimator)
-        self._vehicle = scene.read_robot(scenario.conditions(setup)).vehicle
+        self._field = assembly.field(setup, case.estimator)
+        self._vehicle = scene.read_robot(fleet.conditions(setup)).vehicle
         limit = self._field.force_limit
         # Where the row has no limit, what tyres can transmit.
         transmitted = self._vehicle.friction * self._vehicle.mass * GRAVITY
@@ -146,8 +147,9 @@ class FormationTask(control.Task):
         trials, setup = [self._trial], self._setup
         physics.place(*starts(setup.start, setup.robots, setup.seed, trials))
         period = scenario.periods(setup, self._case.estimator)[0] * setup.processor.tick
-        self._perception = assembly.perception(setup, self._case, period, trials, physics.state)
-        self._radio = Radio(scenario.link(setup, self._case.estimator), setup.robots, setup.seed, trials)
+        perception = assembly.perception(setup, self._case, period, trials, physics.state)
+        radio = Radio(assembly.link(setup, self._case.estimator), setup.robots, setup.seed, trials)
+        self._team = Team(perception, radio, LEADER_W, physics.state)
         self._everybody = np.ones((1, setup.robots), dtype=bool)
 
     def before_step(self, action: Array, physics: FleetPhysics) -> None:
@@ -175,18 +177,17 @@ class FormationTask(control.Task):
         motion = {"heading": wrap(state.heading[0]), "yaw_rate": state.yaw_rate[0]}
         if self._observation == "truth":
             return {**common, "position": state.position_w[0], "velocity": state.velocity_w[0], **motion}
-        belief = self._perception.observe(state, self._everybody)
-        now = np.full_like(state.heading, state.time)
-        self._radio.broadcast(belief.position_w, now, self._everybody)
-        heard = self._radio.heard(now)
+        self._team.sample(state, state.time, self._everybody)
+        known = self._team.listen(state.time)
+        heard = known.heard_known[0]
         return {
             **common,
-            "position": belief.position_w[0].copy(),
-            "velocity": belief.velocity_w[0].copy(),
+            "position": known.position_w[0].copy(),
+            "velocity": known.velocity_w[0].copy(),
             **motion,
-            "heard_position": np.where(heard.known[0, ..., None], heard.position_w[0], 0.0),
-            "heard_age": np.where(heard.known[0], state.time - heard.sampled_at[0], 0.0),
-            "heard_known": heard.known[0].copy(),
+            "heard_position": np.where(heard[..., None], known.heard_position_w[0], 0.0),
+            "heard_age": np.where(heard, known.heard_age[0], 0.0),
+            "heard_known": heard.copy(),
         }
 
     def get_reward(self, physics: FleetPhysics) -> float:

@@ -15,7 +15,7 @@ from dynabot_mj.common import legend
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.legend import METHOD_COLOURS, ROBOT_COLOURS
 from dynabot_mj.figures.style import STYLE
-from dynabot_mj.study import scenario
+from dynabot_mj.study import assembly
 from dynabot_mj.viewing.recording import Recording
 
 _MEAN = "#111111"
@@ -27,7 +27,7 @@ def distance(recordings: Sequence[Recording]) -> Figure:
     """Draws the robots' distances to the leader, their mean, and the floor of its well."""
 
     def draw(axis: Axes, recording: Recording) -> None:
-        well = scenario.field(recording.setup, recording.case.estimator).leader
+        well = assembly.field(recording.setup, recording.case.estimator).leader
         axis.axhspan(well.radius, well.radius + well.width, color="#000000", alpha=0.07, linewidth=0.0, label="floor")
         distances = np.linalg.norm(recording.position_w, axis=-1)
         _draw_robots(axis, recording.time, distances)

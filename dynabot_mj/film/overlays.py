@@ -17,7 +17,7 @@ from dynabot_mj.film.shot import Shot
 from dynabot_mj.film.take import Take
 from dynabot_mj.formation.leader import LEADER_W
 from dynabot_mj.plants import scene
-from dynabot_mj.study import scenario
+from dynabot_mj.study import assembly, fleet
 from dynabot_mj.viewing import stage
 
 LOST_COLOUR: RGBA = (0.86, 0.05, 0.05, 1.0)  # and a cross half-way: not told by its colour alone
@@ -73,13 +73,13 @@ class Overlays:
         """
         self._take, self._shot = what, shot
         one = what.recording
-        vehicle = scene.read_robot(scenario.conditions(one.setup)).vehicle
+        vehicle = scene.read_robot(fleet.conditions(one.setup)).vehicle
         self._hull = (vehicle.length / 2.0, vehicle.breadth / 2.0)
         self._radius = one.setup.collision_distance / 2.0  # of a point mass
         self._rigid = one.case.plant == "rigid"
         links = one.setup.robots * (one.setup.robots - 1)
         self._link_opacity = _LINK_OPACITY * math.sqrt(_FEW_LINKS / max(links, _FEW_LINKS))
-        limit = scenario.field(one.setup, one.case.estimator).force_limit
+        limit = assembly.field(one.setup, one.case.estimator).force_limit
         self._full_force = limit if math.isfinite(limit) else _FORCE_SCALE
         angle = 2.0 * np.pi * np.arange(_RING_POINTS + 1) / _RING_POINTS
         circle = np.stack([np.cos(angle), np.sin(angle)], axis=-1)

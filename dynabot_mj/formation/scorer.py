@@ -22,20 +22,22 @@ from dynabot_mj.formation.metrics import (
 )
 from dynabot_mj.plants.plant import FleetState
 
+_NO_PAIRS = (np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))  # trials, and pairs in them
+
 
 class Scorer:
     """Keeps no history of the whole run but two numbers per event."""
 
-    def __init__(self, formation: Formation, leader_w: Array, state: FleetState, duration: float) -> None:
-        """Takes the start into account.
+    def __init__(self, formation: Formation, leader_w: Array, shape: tuple[int, ...], duration: float) -> None:
+        """Has seen nothing yet.
 
         Args:
             formation: What to judge against.
             leader_w: Position of the leader, (2,) [m].
-            state: The state at time 0.
+            shape: Trials and robots, (B, n).
             duration: Of the run [s].
         """
-        trials, robots = state.heading.shape
+        trials, robots = shape
         self._formation, self._leader_w, self._duration = formation, leader_w, duration
         self._first, self._second = np.triu_indices(robots, 1)
         never = np.full(trials, np.nan)
@@ -52,32 +54,48 @@ class Scorer:
         self._final_times = (
             duration - FINAL_WINDOW + COMPLETION_INTERVAL * np.arange(round(FINAL_WINDOW / COMPLETION_INTERVAL) + 1)
         )
-        self._previous = state
-        self._see(state)
+        self._previous: FleetState | None = None
+        self.distance: Array = np.full((trials, len(self._first)), np.inf)  # of each pair in the latest state [m]
+        self._touching = _NO_PAIRS
 
     def control(self, state: FleetState) -> None:
-        """Takes a state at a control event, or the last one, for arrival and settling."""
+        """Takes a state at a control event, for arrival and settling."""
         self._times.append(state.time)
         self._radii.append(self._distance(state).mean(axis=-1))
         self._times_in_band.append(self._time_in_band.copy())
 
-    def look(self, state: FleetState) -> None:
-        """Takes a state between events, at most `plants.LOOK_PERIOD` after the one before."""
-        self._see(state)
+    def substep(self, state: FleetState) -> None:
+        """Takes a state, the start first, at most `plants.plant.LONGEST_SUBSTEP` after the one before."""
+        before = state if self._previous is None else self._previous
+        self._see(state, state.time - before.time)
         while len(self._final) < len(self._final_times):
             time = self._final_times[len(self._final)]
             if time > state.time + 1e-9:
                 break
-            self._final.append(interpolate(self._previous, state, time) - self._leader_w)
+            self._final.append(interpolate(before, state, time) - self._leader_w)
         self._previous = state
 
+    @property
+    def pairs(self) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+        """First and second robot of each pair, (pairs,)."""
+        return self._first, self._second
+
+    @property
+    def overlapping(self) -> BoolArray:
+        """Pairs whose footprints overlap in the latest state, (B, pairs)."""
+        found = np.zeros(self.distance.shape, dtype=bool)
+        found[self._touching] = True
+        return found
+
     def scores(self, started: BoolArray | None = None) -> Scores:
-        """Returns the outcome after the last look and the last control event.
+        """Returns the outcome, after the last state, with which trials end as with a control event.
 
         Args:
             started: Trials whose robots have all acted at some time, (B,); others rest where they are put, which is not
                 settling. None: all.
         """
+        if self._previous is not None and self._times[-1:] != [self._previous.time]:
+            self.control(self._previous)
         judged = self._duration >= SHORTEST_JUDGED
         collision = self._closest < self._formation.collision_distance
         undefined: Array = np.full(len(collision), np.nan)
@@ -127,14 +145,15 @@ class Scorer:
         offset = state.position_w - self._leader_w
         return np.hypot(offset[..., 0], offset[..., 1])
 
-    def _see(self, state: FleetState) -> None:
-        """Updates all that is a minimum, a maximum, a first time or "always" over the run."""
+    def _see(self, state: FleetState, gap: float) -> None:
+        """Updates all that is a minimum, a maximum, a first time or "always" over the run, a gap [s] after the last."""
         velocity, position = state.velocity_w, state.position_w
         speed = np.hypot(velocity[..., 0], velocity[..., 1]).max(axis=-1)
         self._top_speed = np.maximum(self._top_speed, speed)
         offset = position[:, self._second] - position[:, self._first]
         distance = np.hypot(offset[..., 0], offset[..., 1])  # (B, pairs)
         self._closest = np.minimum(self._closest, distance.min(axis=-1))
+        self.distance, self._touching = distance, _NO_PAIRS
         near = distance < np.hypot(self._formation.length, self._formation.breadth)
         if near.any():
             trial, pair = np.nonzero(near)
@@ -145,6 +164,7 @@ class Scorer:
                 self._formation.length,
                 self._formation.breadth,
             )
+            self._touching = trial[touch], pair[touch]
             _note(self._contact, trial[touch], state.time)
         if state.pose is not None:
             x, y = state.pose[..., 4], state.pose[..., 5]
@@ -154,7 +174,7 @@ class Scorer:
                 _note(self._overturned, np.nonzero(fallen)[0], state.time)
         radius = self._distance(state)
         band = self._band(state, radius, distance)
-        self._hold(band, state.time)
+        self._hold(band, state.time, gap)
         if state.time >= self._duration - FINAL_WINDOW - 1e-9:
             shape = self._formation
             self._annulus &= _within(radius, shape.well_radius, shape.well_radius + shape.width, ANNULUS_TOLERANCE)
@@ -179,19 +199,21 @@ class Scorer:
             band[band] = _within(sides, shape.spacing, shape.spacing + shape.width, COMMON_TOLERANCE)
         return band
 
-    def _hold(self, band: BoolArray, time: float) -> None:
-        """Counts how long the band has held, at a look at this time [s]; what holds now held since the last look."""
+    def _hold(self, band: BoolArray, time: float, gap: float) -> None:
+        """Counts how long the band has held at this time [s]; what holds now has held for the gap [s] before."""
         if not band.any():
             self._holds_since[:] = np.nan
             return
-        self._time_in_band += np.where(band, time - self._previous.time, 0.0)
+        self._time_in_band += np.where(band, gap, 0.0)
         self._holds_since = np.where(band, np.where(np.isnan(self._holds_since), time, self._holds_since), np.nan)
         forms = np.isnan(self._formed) & (time - self._holds_since >= HOLDING - 1e-9)
         self._formed = np.where(forms, self._holds_since, self._formed)
 
 
 def interpolate(before: FleetState, after: FleetState, time: float) -> Array:
-    """Returns the positions at a time between two states, linearly, (B, n, 2) [m]."""
+    """Returns the positions at a time between two states, linearly, (B, n, 2) [m]; of one state, its own."""
+    if after.time <= before.time:
+        return before.position_w
     share = (time - before.time) / (after.time - before.time)
     return before.position_w + share * (after.position_w - before.position_w)
 

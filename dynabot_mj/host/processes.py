@@ -12,7 +12,7 @@ from typing import Any
 
 from dynabot_mj.common.exceptions import DynabotError
 
-_LOOK = 0.5  # how often a worker looks whether its parent still lives [s]
+_POLL = 0.5  # how often a worker looks whether its parent still lives [s]
 
 
 class WorkerDiedError(DynabotError):
@@ -67,7 +67,7 @@ def _start(parent: int, begun: Any, shared: tuple[Any, ...]) -> None:
 def _outlive_not(parent: int) -> None:
     """Ends this process when its parent is gone, whatever that died of: nobody would take the result."""
     while os.getppid() == parent:
-        time.sleep(_LOOK)
+        time.sleep(_POLL)
     os._exit(1)
 
 

@@ -66,7 +66,7 @@ class Perception(Protocol):
         """
         ...
 
-    def look(self, state: FleetState) -> None:
+    def substep(self, state: FleetState) -> None:
         """Takes a true state between samples: sensors have rates of their own."""
         ...
 

@@ -12,7 +12,7 @@ from dynabot_mj.estimation.estimator import Estimator
 from dynabot_mj.estimation.measurements import wrap
 from dynabot_mj.perception.belief import Belief
 from dynabot_mj.plants.plant import FleetState, NavigationError
-from dynabot_mj.sensing.errors import SensorOptions
+from dynabot_mj.sensing.options import SensorOptions
 from dynabot_mj.sensing.sensors import Sensors
 
 
@@ -58,13 +58,13 @@ class FilterPerception:
         times = [-sample_period * (samples - index) for index in range(samples)]
         self._sensors = Sensors(options, sample_period, seed, trials, rest(times[0]))
         for time in times:
-            self.look(rest(time))
+            self.substep(rest(time))
             self.observe(rest(time), everybody)
-        self.look(rest(0.0))
+        self.substep(rest(0.0))
 
-    def look(self, state: FleetState) -> None:
+    def substep(self, state: FleetState) -> None:
         """Lets the receivers latch their fixes."""
-        self._sensors.look(state)
+        self._sensors.substep(state)
 
     def observe(self, state: FleetState, due: BoolArray) -> Belief:
         """Reads the sensors of the robots that are due, and estimates."""

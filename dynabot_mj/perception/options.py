@@ -1,15 +1,17 @@
 """How the filters and the surrogates of them are run and how large they err: tables of the configuration."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 from typing import Annotated, Literal
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from dynabot_mj.common.validation import STRICT, NotNegative, Positive
+from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.common.validation import LARGEST, STRICT, NotNegative, Positive
 from dynabot_mj.estimation.build import Implementation
 from dynabot_mj.estimation.gauss_markov import Component
-from dynabot_mj.perception.filter_parameters import FilterParameters
+from dynabot_mj.estimation.parameters import Parameters
 
 SigmaName = Literal["radial", "per-axis"]
 
@@ -20,6 +22,11 @@ class SurrogateOptions:
 
     correlation_time: Positive = 0.08  # tau [s]; ours
     sigma: SigmaName = "radial"  # what Table II's figure is the deviation of: the planar distance, or each axis; ours
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FilterParameters(Parameters):
+    """What the filters assume of the sensors, of values that are checked to be numbers; `check` has their ranges."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -69,3 +76,17 @@ class FittedOptions:
         position=[(0.174, 2.86), (0.722, 97.0)], velocity=[(0.0809, 0.733)], heading=[(0.0825, 40.4)]
     )
     coupled: FittedError = _error(position=[(0.7, 141.0)], velocity=[(0.0804, 0.729)], heading=[(0.0846, 84.2)])
+
+
+def check(parameters: Parameters) -> None:
+    """Checks the range of each parameter.
+
+    Raises:
+        InputError: With the first one that is out of it.
+    """
+    for parameter in fields(Parameters):
+        value = getattr(parameters, parameter.name)
+        share = parameter.name == "gate"
+        if not (0.0 < value < 1.0 if share else 0.0 < value <= LARGEST):
+            allowed = "between 0 and 1" if share else f"positive and at most {LARGEST:g}"
+            raise InputError(f"filter.{parameter.name} = {value:g} given, it must be {allowed}")

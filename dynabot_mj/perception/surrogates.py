@@ -15,7 +15,7 @@ from dynabot_mj.plants.plant import FleetState, NavigationError
 class _Ideal:
     """What perceptions without sensors of their own have in common."""
 
-    def look(self, state: FleetState) -> None:
+    def substep(self, state: FleetState) -> None:
         """Nothing is sensed between samples."""
 
     def navigation_error(self, time: float) -> NavigationError | None:
@@ -143,7 +143,7 @@ class FittedPerception:
         position_w = state.position_w + self._position.next(due)
         return certain(position_w, state.velocity_w + self._velocity.next(due), self._variance)
 
-    def look(self, state: FleetState) -> None:
+    def substep(self, state: FleetState) -> None:
         """Nothing is sensed between samples."""
 
     def navigation_error(self, time: float) -> NavigationError:

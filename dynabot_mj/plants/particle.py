@@ -17,7 +17,7 @@ import numpy as np
 
 from dynabot_mj.common.arrays import Array, BoolArray
 from dynabot_mj.common.frames import to_body
-from dynabot_mj.plants.plant import LOOK_PERIOD, FleetState, NavigationError
+from dynabot_mj.plants.plant import LONGEST_SUBSTEP, FleetState, NavigationError
 
 _TOP_SPEED = 1e3  # beyond it the sampled loop has blown up: a hundred times what a Dynabot can do [m/s]
 _HEADING_RATE = 3.0  # largest rate at which the heading follows the velocity [rad/s]
@@ -57,40 +57,20 @@ class ParticlePlant:
         """Trials whose sampled loop has blown up, (B,); their robots rest where they were before."""
         return self._diverged
 
-    @property
-    def hull_contact(self) -> Array:
-        """NaN: there are no hulls, (B,)."""
-        return np.full(len(self._diverged), np.nan)
-
-    @property
-    def wheel_slip(self) -> Array:
-        """NaN: there are no wheels, (B,) [m/s]."""
-        return np.full(len(self._diverged), np.nan)
-
-    @property
-    def odometry_w(self) -> Array:
-        """NaN: there are no wheels, (B, n, 2) [m/s]."""
-        return np.full_like(self._state.velocity_w, np.nan)
-
-    @property
-    def reference_w(self) -> Array:
-        """NaN: a point mass imitates nothing, (B, n, 2) [m/s]."""
-        return np.full_like(self._state.velocity_w, np.nan)
-
     def step(self, force_w: Array, gap: float, error: NavigationError | None = None) -> Sequence[FleetState]:
         """Advances exactly; see `Plant.step`. There are no local laws that the error would mislead."""
-        looks = math.ceil(gap / LOOK_PERIOD - 1e-9)
+        substeps = math.ceil(gap / LONGEST_SUBSTEP - 1e-9)
         start, states = self._state, []
-        heading, impulse_b, interval = start.heading, start.velocity_increment_b, gap / looks
+        heading, impulse_b, interval = start.heading, start.velocity_increment_b, gap / substeps
         acceleration_w = force_w / self._mass
         slow = np.abs(start.velocity_w + gap * acceleration_w) < _TOP_SPEED  # not so where it is NaN
         self._diverged = self._diverged | ~slow.all(axis=(1, 2))
         gone = self._diverged[:, None, None]
         acceleration_w = np.where(gone, 0.0, acceleration_w)
         start = replace(start, velocity_w=np.where(gone, 0.0, start.velocity_w))
-        for look in range(1, looks + 1):
-            # Always from the gap's start, so that the looks do not add rounding errors.
-            s = interval * look
+        for substep in range(1, substeps + 1):
+            # Always from the gap's start, so that the substeps do not add rounding errors.
+            s = interval * substep
             velocity_w = start.velocity_w + s * acceleration_w
             position_w = start.position_w + s * start.velocity_w + (0.5 * s * s) * acceleration_w
             turned = _follow(heading, velocity_w, interval)

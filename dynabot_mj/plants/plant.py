@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from dynabot_mj.common.arrays import Array, BoolArray
 
-# Collisions are looked for at least this often, by both plants alike [s].
-LOOK_PERIOD = 0.010
+# Between the states that a plant passes through: collisions are looked for this often, by both plants alike [s].
+LONGEST_SUBSTEP = 0.010
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,26 +50,6 @@ class Plant(Protocol):
         """Trials whose simulation broke down at some time and no longer means anything, (B,)."""
         ...
 
-    @property
-    def hull_contact(self) -> Array | BoolArray:
-        """Trials in which a hull has touched anything so far, (B,); NaN where there are no hulls."""
-        ...
-
-    @property
-    def wheel_slip(self) -> Array:
-        """Largest speed of a tyre along its wheel's plane against the ground so far, (B,) [m/s]; NaN without wheels."""
-        ...
-
-    @property
-    def odometry_w(self) -> Array:
-        """Velocity by wheels and accelerometer, (B, n, 2) [m/s]; NaN without wheels."""
-        ...
-
-    @property
-    def reference_w(self) -> Array:
-        """Velocity of the point mass that the robots imitate, (B, n, 2) [m/s]; NaN where they are point masses."""
-        ...
-
     def step(self, force_w: Array, gap: float, error: NavigationError | None = None) -> Sequence[FleetState]:
         """Advances all robots under a held force command.
 
@@ -79,6 +59,31 @@ class Plant(Protocol):
             error: Of what local laws run on; None: ideal sensors and a known heading.
 
         Returns:
-            The states passed through, at most `LOOK_PERIOD` apart, the last one at the end of the gap.
+            The states passed through, at most `LONGEST_SUBSTEP` apart, the last one at the end of the gap.
         """
+        ...
+
+
+@runtime_checkable
+class WheeledPlant(Plant, Protocol):
+    """Vehicles: robots with hulls and wheels, whose local laws make them imitate point masses."""
+
+    @property
+    def hull_contact(self) -> BoolArray:
+        """Trials in which a hull has touched anything so far, (B,)."""
+        ...
+
+    @property
+    def wheel_slip(self) -> Array:
+        """Largest speed of a tyre along its wheel's plane against the ground so far, (B,) [m/s]."""
+        ...
+
+    @property
+    def odometry_w(self) -> Array:
+        """Velocity by wheels and accelerometer, (B, n, 2) [m/s]."""
+        ...
+
+    @property
+    def reference_w(self) -> Array:
+        """Velocity of the point mass that the robots imitate, (B, n, 2) [m/s]."""
         ...

@@ -18,7 +18,7 @@ from dynabot_mj.controllers import traction
 from dynabot_mj.controllers.vehicle import Vehicle
 from dynabot_mj.plants import free_joint, scene
 from dynabot_mj.plants.local_laws import Drivers, LocalLaws
-from dynabot_mj.plants.plant import LOOK_PERIOD, FleetState, NavigationError
+from dynabot_mj.plants.plant import LONGEST_SUBSTEP, FleetState, NavigationError
 
 LOCAL_PERIOD = 0.039  # longest period of the local laws [s]
 PHYSICS_STEP = 0.005  # longest physics step [s]; the contacts behave alike from 0.5 to 5 ms
@@ -126,7 +126,7 @@ class RigidBodyPlant:
         """Advances by local-law periods and physics steps; see `Plant.step`."""
         locals_, period, steps = divided(gap)
         self._timestep[:] = period / steps
-        per_look = max(1, int(LOOK_PERIOD / (period / steps) + 1e-9))
+        per_look = max(1, int(LONGEST_SUBSTEP / (period / steps) + 1e-9))
         start, states = self._state.time, []
         for local in range(locals_):
             self._act(force_w, period, _grown(error, local * period))

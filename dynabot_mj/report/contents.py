@@ -14,9 +14,8 @@ from dynabot_mj.experiments.estimators import circle_report
 from dynabot_mj.experiments.estimators.circle import Outcome
 from dynabot_mj.experiments.formation import compare, compare_tables, in_loop
 from dynabot_mj.experiments.formation.compare import Comparison
-from dynabot_mj.figures import circle as estimation_figures
-from dynabot_mj.figures import compare as figures
-from dynabot_mj.figures import distributions, one_trial
+from dynabot_mj.figures import autocorrelations, bars, distributions, one_trial, paths
+from dynabot_mj.figures import circle as circle_figure
 from dynabot_mj.report import csv_tables, page, svg
 from dynabot_mj.report.page import Section
 from dynabot_mj.viewing.recording import Recording
@@ -79,7 +78,7 @@ body, with the local laws that drive it."""
 def _result(comparison: Comparison, tables: Mapping[str, str]) -> Section:
     parts = [
         _figure(
-            figures.outcomes(comparison),
+            bars.outcomes(comparison),
             "bars",
             "Arrival, time to formation, contacts of hulls and formations within a common metre. Whiskers: standard "
             "deviation of the arrival, 95 % intervals of the others.",
@@ -93,7 +92,7 @@ def _result(comparison: Comparison, tables: Mapping[str, str]) -> Section:
 def _reproduction(comparison: Comparison) -> Section:
     parts = [
         _figure(
-            figures.table_iii(comparison),
+            bars.table_iii(comparison),
             "table-iii",
             "Settling, collisions of centres and completion within each method's own sigma, beside the paper's Table "
             "III. Whiskers: standard deviation of the settling time, 95 % Wilson intervals of the rates.",
@@ -144,7 +143,7 @@ def _paths(study: xr.Dataset) -> Section:
     shown = dict.fromkeys(zip(map(str, study.estimator.values), map(str, study.perception.values), strict=True))
     parts = [
         _figure(
-            figures.trajectories(study, estimator, perception),
+            paths.trajectories(study, estimator, perception),
             "-".join(["paths", estimator, *([perception] if perception else [])]),
             f"Whole paths above, the end near the leader below: {legend.method(estimator, perception)}.",
         )
@@ -176,7 +175,7 @@ def _over_time(material: Material) -> Section:
 
 
 def _estimates(study: xr.Dataset, tables: Mapping[str, str]) -> Section | None:
-    figure, table = figures.errors(study), in_loop.table(study)
+    figure, table = autocorrelations.errors(study), in_loop.table(study)
     if figure is None or table is None:
         return None
     caption = "How long errors last: autocorrelation of the errors of the believed positions, and their size."
@@ -190,7 +189,7 @@ def _circle(outcome: Outcome, tables: Mapping[str, str]) -> Section:
         "without faults, and how far they are from the best-fit actual path at most."
     )
     parts = [
-        _figure(estimation_figures.paths(outcome), "circle", caption),
+        _figure(circle_figure.paths(outcome), "circle", caption),
         page.heading(circle_report.table(outcome).title),
         page.table(circle_report.table(outcome)),
         _downloads(tables, "circle.csv"),

@@ -19,7 +19,7 @@ from dynabot_mj.host import opengl
 from dynabot_mj.report.contents import Material
 from dynabot_mj.study import configuration, scenario
 from dynabot_mj.study.scenario import Scenario
-from dynabot_mj.trial.loop import TRAJECTORY_INTERVAL
+from dynabot_mj.trial.judge import TRAJECTORY_INTERVAL
 from dynabot_mj.viewing import recording
 from dynabot_mj.viewing.recording import Recording
 

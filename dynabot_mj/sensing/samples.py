@@ -9,8 +9,8 @@ import numpy.typing as npt
 from dynabot_mj.common.arrays import Array, BoolArray
 from dynabot_mj.estimation.estimator import Estimator
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample
-from dynabot_mj.sensing.errors import SensorOptions
 from dynabot_mj.sensing.ground_truth import GroundTruth
+from dynabot_mj.sensing.options import SensorOptions
 from dynabot_mj.sensing.sensors import Sensors
 
 
@@ -58,7 +58,7 @@ def record(truth: GroundTruth, options: SensorOptions, period: float, seed: int,
     samples, errors, times = [], [], []
     for index in range(len(truth.time)):
         state = truth.state(index)
-        sensors.look(state)
+        sensors.substep(state)
         if index % every == 0:
             errors.append(sensors.slow_errors)
             samples.append(sensors.sample(state, due))

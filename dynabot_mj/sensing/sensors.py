@@ -30,8 +30,8 @@ from dynabot_mj.estimation import gauss_markov
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample, rotation, wrap
 from dynabot_mj.estimation.motion import turned
 from dynabot_mj.plants.plant import FleetState
-from dynabot_mj.sensing.errors import SensorOptions
 from dynabot_mj.sensing.faults import Faults
+from dynabot_mj.sensing.options import SensorOptions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,7 +100,7 @@ class Sensors:
             position_w=nothing, velocity_w=nothing, true_at=nothing[..., 0], received=np.zeros(shape, dtype=bool)
         )
         self._looked, self._next_fix = start, start.time
-        self.look(start)
+        self.substep(start)
 
     @property
     def force_error_b(self) -> Array:
@@ -126,7 +126,7 @@ class Sensors:
             axis=-1,
         )
 
-    def look(self, state: FleetState) -> None:
+    def substep(self, state: FleetState) -> None:
         """Latches the fixes that are true between the state seen last and this one, interpolated linearly."""
         before, gap = self._looked, state.time - self._looked.time
         while self._next_fix <= state.time + 1e-9:
@@ -143,7 +143,7 @@ class Sensors:
         """Reads the sensors of the robots that are due.
 
         Args:
-            state: True state now, which has been looked at.
+            state: True state now, which has been passed.
             due: Which robots sample, (B, n); what is returned for the others means nothing.
         """
         imu, fix = self._inertial(state), self._arrived(state.time, due)

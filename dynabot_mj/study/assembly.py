@@ -1,12 +1,13 @@
-"""From a configuration to the parts of trials: plant, perception, velocity, radio, law, and what judges them."""
+"""From a configuration to the parts of trials: plant, perception, radio, law, and what judges them."""
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from dynabot_mj.common.arrays import Array, Progress
-from dynabot_mj.controllers.potential_field import PotentialField
+from dynabot_mj.controllers.potential_field import PotentialField, Well, polygon_circumradius
 from dynabot_mj.estimation.build import build
 from dynabot_mj.formation import laws
 from dynabot_mj.formation.leader import LEADER_W
@@ -14,18 +15,19 @@ from dynabot_mj.formation.metrics import Formation
 from dynabot_mj.formation.starts import starts
 from dynabot_mj.perception.belief import Belief, Perception
 from dynabot_mj.perception.filters import FilterPerception
+from dynabot_mj.perception.options import FittedError
 from dynabot_mj.perception.surrogates import FittedPerception, GaussMarkovPerception, PerfectPerception
 from dynabot_mj.plants import scene
-from dynabot_mj.plants.particle import ParticlePlant
-from dynabot_mj.plants.plant import FleetState, Plant
-from dynabot_mj.plants.rigid_body import RigidBodyPlant
-from dynabot_mj.study import scenario
-from dynabot_mj.study.scenario import Case, Scenario
+from dynabot_mj.plants.plant import FleetState, Plant, WheeledPlant
+from dynabot_mj.study import fleet, scenario
+from dynabot_mj.study.scenario import Case, EstimatorName, Scenario
 from dynabot_mj.testbed.paper import SETTLING_SHARE
-from dynabot_mj.testbed.radio import Radio
+from dynabot_mj.testbed.radio import INSTANT_LINK, Link, Radio, dynabot_link
 from dynabot_mj.trial import loop
 from dynabot_mj.trial.clocks import Clocks
-from dynabot_mj.trial.loop import Observer, Outcome, Parts
+from dynabot_mj.trial.judge import Judge, Outcome
+from dynabot_mj.trial.loop import Observer, Parts
+from dynabot_mj.trial.team import own_velocity
 
 
 def simulate(
@@ -37,11 +39,13 @@ def simulate(
     recorded: int = 0,
     threads: int = 1,
     progress: Progress = lambda share: None,
-    observer: Observer | None = None,
+    observers: Sequence[Observer] = (),
 ) -> Outcome:
-    """Runs trials of one case of a study; see `parts` and `loop.simulate`."""
+    """Runs trials of one case of a study; see `parts` and `Judge`."""
     made = parts(setup, case, trials, phase=phase, threads=threads)
-    return loop.simulate(made, recorded=recorded, progress=progress, observer=observer)
+    judging = judge(setup, case, made, recorded)
+    loop.simulate(made, [judging, *observers], progress)
+    return judging.outcome()
 
 
 def parts(
@@ -71,49 +75,42 @@ def parts(
         duration_ticks=round(scenario.duration(setup) / tick),
         phase=np.zeros(setup.robots, dtype=np.int64) if phase is None else phase,
     )
-    driven = plant(setup, case, *starts(setup.start, setup.robots, setup.seed, trials), trials, threads)
-    wells = scenario.field(setup, case.estimator)
+    plant = fleet.plant(setup, case, *starts(setup.start, setup.robots, setup.seed, trials), trials, threads)
     return Parts(
         clocks=clocks,
-        plant=driven,
-        perception=perception(setup, case, clocks.sample_period, trials, driven.state),
-        velocity=velocity(setup, case, driven),
-        radio=Radio(scenario.link(setup, case.estimator), setup.robots, setup.seed, trials),
-        law=laws.build(setup.controller, wells),
+        plant=plant,
+        perception=perception(setup, case, clocks.sample_period, trials, plant.state),
+        radio=Radio(link(setup, case.estimator), setup.robots, setup.seed, trials),
+        law=laws.build(setup.controller, field(setup, case.estimator)),
         leader_w=LEADER_W,
-        formation=formation(setup, case, wells),
-        errs=case.perception is not None,
+        velocity=velocity(setup, case, plant),
     )
 
 
-def plant(
-    setup: Scenario, case: Case, position_w: Array, heading: Array, trials: Sequence[int], threads: int = 1
-) -> Plant:
-    """Builds the robots of some trials of a case; see `starts` for their places and headings."""
-    match case.plant:
-        case "particle":
-            return ParticlePlant(scenario.mass(setup), position_w, heading)
-        case "rigid":
-            return RigidBodyPlant(
-                position_w,
-                heading,
-                scenario.laws(setup, real_sensors=case.perception in ("filter", "fitted")),
-                conditions=scenario.conditions(setup),
-                friction=scenario.friction(setup, trials),
-                threads=threads,
-            )
+def judge(setup: Scenario, case: Case, made: Parts, recorded: int = 0) -> Judge:
+    """Builds what judges trials of a case.
+
+    Args:
+        setup: The study's configuration.
+        case: Plant, perception and estimator.
+        made: Of these trials.
+        recorded: For how many of them the trajectory is kept.
+    """
+    return Judge(made, formation(setup, case.estimator), errs=case.perception is not None, recorded=recorded)
 
 
 def perception(
     setup: Scenario, case: Case, sample_period: float, trials: Sequence[int], start: FleetState
 ) -> Perception:
     """Builds what tells the robots of some trials of a case about themselves; `start` is their state at time 0."""
+    name = case.estimator
+    if case.perception is None or name == "perfect":
+        return PerfectPerception()
     match case.perception:
-        case None:
-            return PerfectPerception()
         case "gauss-markov":
+            sigma = scenario.method(setup, name).uncertainty
             return GaussMarkovPerception(
-                scenario.deviation(setup, case.estimator),
+                sigma if setup.surrogate.sigma == "per-axis" else sigma / math.sqrt(2.0),
                 setup.surrogate.correlation_time,
                 sample_period,
                 setup.robots,
@@ -121,9 +118,7 @@ def perception(
                 trials,
             )
         case "filter":
-            estimator = build(
-                scenario.filter_name(case), start.heading.shape, setup.filter, setup.filter.implementation
-            )
+            estimator = build(name, start.heading.shape, setup.filter, setup.filter.implementation)
             return FilterPerception(
                 estimator,
                 setup.sensors,
@@ -135,34 +130,66 @@ def perception(
                 uphill=setup.vehicle.slope if case.plant == "rigid" else 0.0,
             )
         case "fitted":
-            error = scenario.fitted(setup, case.estimator)
+            error: FittedError = getattr(setup.fitted, name)
             return FittedPerception(
                 error.position, error.velocity, error.heading, sample_period, setup.robots, setup.seed, trials
             )
 
 
-def velocity(setup: Scenario, case: Case, driven: Plant) -> Callable[[Belief], Array]:
+def velocity(setup: Scenario, case: Case, plant: Plant) -> Callable[[Belief], Array]:
     """Returns where the velocity of the dissipation comes from, at a sample."""
     match scenario.velocity(setup, case):
         case "truth":
-            return lambda fresh: driven.state.velocity_w
-        case "odometry":
-            return lambda fresh: driven.odometry_w
-        case "reference":
-            return lambda fresh: driven.reference_w
+            return lambda told: plant.state.velocity_w
+        case "odometry" if isinstance(plant, WheeledPlant):
+            return lambda told: plant.odometry_w
+        case "reference" if isinstance(plant, WheeledPlant):
+            return lambda told: plant.reference_w
         case _:
-            return lambda fresh: fresh.velocity_w
+            return own_velocity
 
 
-def formation(setup: Scenario, case: Case, field: PotentialField) -> Formation:
-    """Builds what the trials of a case are judged against."""
-    vehicle = scene.read_robot(scenario.conditions(setup)).vehicle
+def link(setup: Scenario, estimator: EstimatorName) -> Link:
+    """Returns the radio model of a row; perfect information is instantaneous."""
+    if estimator == "perfect":
+        return INSTANT_LINK
+    return dynabot_link(setup.robots, setup.radio.message_bytes)
+
+
+def field(setup: Scenario, estimator: EstimatorName) -> PotentialField:
+    """Returns the potential field of a row."""
+    row, options = scenario.method(setup, estimator), setup.field
+    neighbour_range = options.neighbour_range
+    if neighbour_range == "auto":
+        neighbour_range = 10.0 if setup.robots <= 5 else 7.5
+    leader = Well(
+        gain=row.alpha_h,
+        radius=polygon_circumradius(options.spacing, setup.robots),
+        width=options.width,
+        range=options.leader_range,
+        closest=options.closest,
+    )
+    neighbour = Well(
+        gain=row.alpha_d,
+        radius=options.spacing,
+        width=options.width,
+        range=neighbour_range,
+        closest=options.closest,
+    )
+    return PotentialField(
+        leader=leader, neighbour=neighbour, dissipation=options.dissipation, force_limit=row.force_limit
+    )
+
+
+def formation(setup: Scenario, estimator: EstimatorName) -> Formation:
+    """Builds what the trials of a row are judged by."""
+    vehicle, wells = scene.read_robot(fleet.conditions(setup)).vehicle, field(setup, estimator)
     return Formation(
-        well_radius=field.leader.radius,
-        spacing=field.neighbour.radius,
+        well_radius=wells.leader.radius,
+        spacing=wells.neighbour.radius,
         width=setup.field.width,
         settling_band=SETTLING_SHARE * setup.start.distance,
-        tolerance=scenario.method(setup, case.estimator).uncertainty,
+        tolerance=scenario.method(setup, estimator).uncertainty,
         collision_distance=setup.collision_distance,
         # Bodies are pushed apart from there on; bare hulls would touch only in hard collisions.
         length=vehicle.length + 2.0 * vehicle.margin,

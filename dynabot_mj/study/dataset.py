@@ -15,10 +15,10 @@ import numpy.typing as npt
 import xarray as xr
 
 from dynabot_mj.common.arrays import Progress
-from dynabot_mj.study import configuration, provenance, scenario
+from dynabot_mj.study import checks, configuration, provenance, scenario
 from dynabot_mj.study.execution import Execution, execute
 from dynabot_mj.study.scenario import Case, Scenario
-from dynabot_mj.trial.loop import Outcome
+from dynabot_mj.trial.judge import Outcome
 
 _HERE = Execution()  # in this process
 
@@ -75,7 +75,7 @@ def run(setup: Scenario, execution: Execution = _HERE, progress: Progress = lamb
         Dimensions `case`, `trial`, `robot`, `axis`, `recorded`, `time`; each variable states its unit. Scores of
         diverged trials are NaN.
     """
-    configuration.check(setup)
+    checks.check(setup)
     return _dataset(setup, execute(setup, execution, progress))
 
 

@@ -19,7 +19,7 @@ from dynabot_mj.host import files, opengl, processes
 from dynabot_mj.study import configuration, provenance, scenario
 from dynabot_mj.study.assembly import simulate
 from dynabot_mj.study.scenario import Case, Scenario
-from dynabot_mj.trial.loop import Outcome
+from dynabot_mj.trial.judge import Outcome
 
 CHUNK = 50  # trials
 RECORDED = 1  # trajectories kept of each case, from the study's first trial on

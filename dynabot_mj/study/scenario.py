@@ -5,34 +5,22 @@ not an identification. `"auto"` marks a value that follows from others; it stays
 describes the same study when one of those others is changed. `dynabot_mj.configuration` reads and writes TOML.
 """
 
-import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Literal, get_args
 
-import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.exceptions import InputError
-from dynabot_mj.common.streams import Purpose, generators
 from dynabot_mj.common.validation import STRICT, Positive
-from dynabot_mj.controllers import gains, odometry
-from dynabot_mj.controllers.potential_field import PotentialField, Well, polygon_circumradius
-from dynabot_mj.controllers.steering import HandPoint, Heading
-from dynabot_mj.estimation.build import Name
 from dynabot_mj.formation import laws as control_laws
 from dynabot_mj.formation.options import CompletionOptions, FieldOptions, StartOptions
-from dynabot_mj.perception.options import FilterOptions, FittedError, FittedOptions, SurrogateOptions
-from dynabot_mj.plants import scene
-from dynabot_mj.plants.local_laws import LocalLaws
+from dynabot_mj.perception.options import FilterOptions, FittedOptions, SurrogateOptions
 from dynabot_mj.plants.options import VehicleOptions
-from dynabot_mj.sensing.errors import SensorOptions
+from dynabot_mj.sensing.options import SensorOptions
 from dynabot_mj.study.methods import Method, Methods
 from dynabot_mj.testbed import paper, schedule
 from dynabot_mj.testbed.options import ProcessorOptions, RadioOptions
-from dynabot_mj.testbed.radio import INSTANT_LINK, Link, dynabot_link
 
 PlantName = Literal["particle", "rigid"]
 EstimatorName = Literal["perfect", "gps", "decoupled", "coupled"]
@@ -111,30 +99,6 @@ def duration(setup: Scenario) -> float:
     return DURATIONS[setup.robots] if setup.duration == "auto" else setup.duration
 
 
-def conditions(setup: Scenario) -> scene.Conditions:
-    """Returns which rigid robots a study has, and their ground; friction that differs by trial is `friction`'s."""
-    vehicle = setup.vehicle
-    return scene.Conditions(
-        model=vehicle.model,
-        payload=vehicle.payload,
-        slope=vehicle.slope,
-        friction=vehicle.friction if isinstance(vehicle.friction, float) else None,
-    )
-
-
-def friction(setup: Scenario, trials: Sequence[int]) -> Array | None:
-    """Returns the friction of each trial, (B,), where it differs from trial to trial."""
-    if not isinstance(setup.vehicle.friction, tuple):
-        return None
-    low, high = setup.vehicle.friction
-    return np.array([low + (high - low) * g.random() for g in generators(setup.seed, trials, Purpose.FRICTION)])
-
-
-def mass(setup: Scenario) -> float:
-    """Returns the mass of a particle, and of the point mass that a rigid robot imitates [kg]."""
-    return scene.read_robot(conditions(setup)).vehicle.mass if setup.mass == "auto" else setup.mass
-
-
 def velocity(setup: Scenario, case: Case) -> VelocityName:
     """Returns where the velocity of a case's dissipation comes from."""
     if setup.velocity != "auto":
@@ -142,56 +106,10 @@ def velocity(setup: Scenario, case: Case) -> VelocityName:
     return "truth" if case.perception in (None, "gauss-markov") else "estimate"
 
 
-def filter_name(case: Case) -> Name:
-    """Returns the estimator of a case as the filters call it; `perfect` has none."""
-    if case.estimator == "perfect":
-        raise ValueError("perfect information has no filter")
-    return case.estimator
-
-
-def fitted(setup: Scenario, estimator: EstimatorName) -> FittedError:
-    """Returns the errors of the fitted surrogate."""
-    found: FittedError = getattr(setup.fitted, estimator)
-    return found
-
-
-def laws(setup: Scenario, *, real_sensors: bool = False) -> LocalLaws:
-    """Returns the local laws of the rigid robots.
-
-    Args:
-        setup: The study's configuration.
-        real_sensors: Whether accelerometer, gyro and heading have errors.
-
-    Raises:
-        InputError: If there are no such gains.
-    """
-    try:
-        found = gains.load(setup.vehicle.gains)
-    except (FileNotFoundError, ValueError) as error:
-        raise InputError(str(error)) from error
-    steering: HandPoint | Heading = found.hand_point if setup.vehicle.steering == "hand-point" else found.heading
-    on_board = setup.vehicle.sensing == "on-board"
-    if not real_sensors:
-        return LocalLaws(steering=steering, traction=found.traction, on_board=on_board)
-    return LocalLaws(
-        steering=steering,
-        traction=found.traction,
-        odometry=odometry.REAL_SENSORS,
-        on_board=on_board,
-        wheel_resolution=setup.sensors.wheels.speed,
-    )
-
-
 def method(setup: Scenario, estimator: EstimatorName) -> Method:
     """Returns the parameters of a row."""
     found: Method = getattr(setup.method, estimator)
     return found
-
-
-def deviation(setup: Scenario, estimator: EstimatorName) -> float:
-    """Returns the standard deviation of the Gauss-Markov position error along each axis [m]."""
-    sigma = method(setup, estimator).uncertainty
-    return sigma if setup.surrogate.sigma == "per-axis" else sigma / math.sqrt(2.0)
 
 
 def periods(setup: Scenario, estimator: EstimatorName) -> tuple[int, int]:
@@ -251,35 +169,3 @@ def one_trial(setup: Scenario, label: str, trial: int) -> Scenario:
         estimators=(case.estimator,),
         perception=setup.perception if case.perception is None else (case.perception,),
     )
-
-
-def field(setup: Scenario, estimator: EstimatorName) -> PotentialField:
-    """Returns the potential field of a row."""
-    row, options = method(setup, estimator), setup.field
-    neighbour_range = options.neighbour_range
-    if neighbour_range == "auto":
-        neighbour_range = 10.0 if setup.robots <= 5 else 7.5
-    leader = Well(
-        gain=row.alpha_h,
-        radius=polygon_circumradius(options.spacing, setup.robots),
-        width=options.width,
-        range=options.leader_range,
-        closest=options.closest,
-    )
-    neighbour = Well(
-        gain=row.alpha_d,
-        radius=options.spacing,
-        width=options.width,
-        range=neighbour_range,
-        closest=options.closest,
-    )
-    return PotentialField(
-        leader=leader, neighbour=neighbour, dissipation=options.dissipation, force_limit=row.force_limit
-    )
-
-
-def link(setup: Scenario, estimator: EstimatorName) -> Link:
-    """Returns the radio model of a row; perfect information is instantaneous."""
-    if estimator == "perfect":
-        return INSTANT_LINK
-    return dynabot_link(setup.robots, setup.radio.message_bytes)

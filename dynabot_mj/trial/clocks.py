@@ -40,7 +40,14 @@ class Clocks:
         calendar = sorted(due | {0})
         yield from zip(calendar, [*calendar[1:], self.duration_ticks], strict=True)
 
-    def due(self, tick: int, period: int) -> BoolArray:
-        """Tells which robots have an event with this period at this tick, (n,)."""
+    def sampling(self, tick: int, shape: tuple[int, ...]) -> BoolArray:
+        """Tells which robots sample at this tick, in trials and robots of a shape (B, n)."""
+        return np.broadcast_to(self._due(tick, self.sample_ticks), shape)
+
+    def acting(self, tick: int, shape: tuple[int, ...]) -> BoolArray:
+        """Tells which robots' control period begins at this tick, in trials and robots of a shape (B, n)."""
+        return np.broadcast_to(self._due(tick, self.control_ticks), shape)
+
+    def _due(self, tick: int, period: int) -> BoolArray:
         since = tick - self.phase
         return (since >= 0) & (since % period == 0)

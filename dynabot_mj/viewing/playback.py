@@ -125,7 +125,7 @@ class Pacer:
         """Takes what the robots believe from now on."""
         self._believed_w = np.where(event.belief.known[0, :, None], event.belief.position_w[0], np.nan)
 
-    def look(self, state: FleetState) -> None:
+    def substep(self, state: FleetState) -> None:
         """Shows a state where a picture is due, once the clock has come to its time.
 
         Raises:
@@ -167,7 +167,7 @@ def live(setup: Scenario, screen: Screen, clock: Clock) -> list[Snapshot] | None
     (case,) = scenario.cases(setup)
     pacer = Pacer(screen, clock, setup.robots)
     try:
-        simulate(setup, case, [setup.first_trial], observer=pacer)
+        simulate(setup, case, [setup.first_trial], observers=[pacer])
     except ClosedError:
         return None
     return pacer.snapshots

@@ -6,15 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from dynabot_mj.common.arrays import Array, BoolArray, Progress
-from dynabot_mj.formation.geometry import footprints_touch
-from dynabot_mj.formation.metrics import Formation
-from dynabot_mj.formation.scorer import interpolate
+from dynabot_mj.formation.scorer import Scorer, interpolate
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.plant import FleetState
 from dynabot_mj.plants.rigid_body import tyre_slip
-from dynabot_mj.study import assembly, scenario
-from dynabot_mj.study.assembly import simulate
+from dynabot_mj.study import assembly, fleet, scenario
 from dynabot_mj.study.scenario import Case, Scenario
+from dynabot_mj.trial import loop
 from dynabot_mj.trial.loop import Event
 
 IntArray = npt.NDArray[np.int64]
@@ -63,19 +61,19 @@ def record(setup: Scenario, interval: float, progress: Progress = lambda share: 
         progress: Called now and then.
     """
     (case,) = scenario.cases(setup)
-    recorder = _Recorder(setup, case, interval)
-    simulate(setup, case, [setup.first_trial], progress=progress, observer=recorder)
+    made = assembly.parts(setup, case, [setup.first_trial])
+    scorer = Scorer(assembly.formation(setup, case.estimator), made.leader_w, (1, setup.robots), made.clocks.duration)
+    recorder = _Recorder(setup, case, interval, scorer)
+    loop.simulate(made, [recorder], progress)
     return recorder.recording()
 
 
 class _Recorder:
     """Keeps the first of the trials that it is shown."""
 
-    def __init__(self, setup: Scenario, case: Case, interval: float) -> None:
-        self._setup, self._case = setup, case
-        self._vehicle = scene.read_robot(scenario.conditions(setup)).vehicle
-        self._formation: Formation = assembly.formation(setup, case, scenario.field(setup, case.estimator))
-        self._first, self._second = np.triu_indices(setup.robots, 1)
+    def __init__(self, setup: Scenario, case: Case, interval: float, scorer: Scorer) -> None:
+        self._setup, self._case, self._scorer = setup, case, scorer
+        self._vehicle = scene.read_robot(fleet.conditions(setup)).vehicle
         count = int(scenario.duration(setup) / interval + 1e-9) + 1
         self._time = interval * np.arange(count, dtype=np.float64)
         self._frames: list[dict[str, Array]] = []
@@ -90,15 +88,16 @@ class _Recorder:
         if not self._frames:
             assert self._previous is not None  # the loop shows the start first
             self._keep(self._previous, self._previous, 0.0)
-        if event.message is not None:
-            arrives_at, itself = event.message.arrives_at[0], np.eye(self._setup.robots, dtype=bool)
-            for sender in np.flatnonzero(event.sent[0]).tolist():
+        if event.sample is not None:
+            arrives_at, itself = event.sample.message.arrives_at[0], np.eye(self._setup.robots, dtype=bool)
+            for sender in np.flatnonzero(event.sample.sent[0]).tolist():
                 lost = ~np.isfinite(arrives_at[:, sender]) & ~itself[:, sender]
                 self._messages.append((event.time, sender, arrives_at[:, sender].copy(), lost))
 
-    def look(self, state: FleetState) -> None:
+    def substep(self, state: FleetState) -> None:
         """Takes a state; the times up to it are interpolated."""
-        self._judge(state)
+        self._scorer.substep(state)
+        self._judge()
         before = self._previous
         if before is not None and self._event is not None:
             while len(self._frames) < len(self._time) and self._time[len(self._frames)] <= state.time + 1e-9:
@@ -135,21 +134,13 @@ class _Recorder:
             ),
         )
 
-    def _judge(self, state: FleetState) -> None:
-        """Looks for robots that are near each other."""
-        offset = state.position_w[0, self._second] - state.position_w[0, self._first]
-        distance = np.hypot(offset[:, 0], offset[:, 1])
+    def _judge(self) -> None:
+        """Takes from the scorer who is near whom in the latest state."""
+        first, second = self._scorer.pairs
+        distance, overlapping = self._scorer.distance[0], self._scorer.overlapping[0]
         self._closest = min(self._closest, float(distance.min()))
-        near = distance < self._setup.collision_distance
-        self._near[self._first[near]] = self._near[self._second[near]] = True
-        touch = footprints_touch(
-            offset,
-            state.heading[0, self._first],
-            state.heading[0, self._second],
-            self._formation.length,
-            self._formation.breadth,
-        )
-        self._overlapping[self._first[touch]] = self._overlapping[self._second[touch]] = True
+        for pairs, robot in ((distance < self._setup.collision_distance, self._near), (overlapping, self._overlapping)):
+            robot[first[pairs]] = robot[second[pairs]] = True
 
     def _keep(self, before: FleetState, after: FleetState, time: float) -> None:
         """Keeps one time between two states."""
@@ -162,7 +153,7 @@ class _Recorder:
 
         known, arrived = belief.known[0, :, None], heard.known[0]
         frame = {
-            "position_w": interpolate(before, after, time)[0] if share else before.position_w[0],
+            "position_w": interpolate(before, after, time)[0],
             "velocity_w": between(before.velocity_w, after.velocity_w),
             "heading": between(before.heading, after.heading),
             "slip": np.full(self._setup.robots, np.nan),
@@ -183,9 +174,9 @@ class _Recorder:
             frame["slip"] = tyre_slip(after, after.wheel_speed, self._vehicle)[0].max(axis=-1)
         self._frames.append(frame)
         self._closest, self._overlapping, self._near = _nobody_near(self._setup.robots)
-        self._judge(after)
+        self._judge()
 
 
-def _nobody_near(robots: int) -> tuple[float, BoolArray, BoolArray]:
-    """Returns the smallest distance, who has overlapped and who has been too near, before any is looked at."""
-    return np.inf, np.zeros(robots, dtype=bool), np.zeros(robots, dtype=bool)
+def _nobody_near(count: int) -> tuple[float, BoolArray, BoolArray]:
+    """Returns the smallest distance, who has overlapped and who has been too near, before any state."""
+    return np.inf, np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)

@@ -12,7 +12,7 @@ import numpy as np
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.legend import ROBOT_COLOURS, rgb
 from dynabot_mj.plants import scene
-from dynabot_mj.study import scenario
+from dynabot_mj.study import assembly, fleet
 from dynabot_mj.study.scenario import Case, Scenario
 
 TRAIL = 20.0  # how far back a robot's trail reaches [s]
@@ -46,8 +46,8 @@ class Stage:
             signs: With the rings and what robots believe, for whoever draws none of it.
         """
         rigid, ghosts = case.plant == "rigid", signs and case.perception is not None
-        field = scene.compose(setup.robots if rigid else 0, scenario.conditions(setup))
-        well = scenario.field(setup, case.estimator).leader
+        field = scene.compose(setup.robots if rigid else 0, fleet.conditions(setup))
+        well = assembly.field(setup, case.estimator).leader
         self.rings = tuple(zip((well.radius, well.radius + well.width), _RING_COLOURS, strict=True))  # [m], RGBA
         for radius, ring in self.rings if signs else ():
             _add_ring(field, radius, ring)

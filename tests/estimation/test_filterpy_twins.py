@@ -7,8 +7,8 @@ import pytest
 from dynabot_mj.estimation import build
 from dynabot_mj.experiments.estimators import kinematic
 from dynabot_mj.sensing import samples as replay
-from dynabot_mj.sensing.errors import SensorOptions
 from dynabot_mj.sensing.faults import Fault
+from dynabot_mj.sensing.options import SensorOptions
 
 PERIOD, STEPS = 0.036, 2100
 

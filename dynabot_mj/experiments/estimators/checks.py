@@ -7,8 +7,8 @@ import numpy as np
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.experiments.estimators import kinematic
 from dynabot_mj.sensing import samples as replay
-from dynabot_mj.sensing.errors import SensorOptions
 from dynabot_mj.sensing.ground_truth import GroundTruth
+from dynabot_mj.sensing.options import SensorOptions
 
 PERIOD = 0.036  # T_s, that of the decoupled EKF in Table III [s]
 LAP = 2.0 * np.pi * kinematic.RADIUS / kinematic.SPEED  # time that a lap takes [s]

@@ -26,12 +26,12 @@ from dynabot_mj.experiments.estimators import scores as estimation_scores
 from dynabot_mj.experiments.estimators.best_fit import BestFit
 from dynabot_mj.experiments.estimators.kinematic import PathName
 from dynabot_mj.experiments.estimators.scores import Consistency, Scores
-from dynabot_mj.perception import filter_parameters
-from dynabot_mj.perception.filter_parameters import FilterParameters
-from dynabot_mj.sensing import errors
+from dynabot_mj.perception import options as perception_options
+from dynabot_mj.perception.options import FilterParameters
+from dynabot_mj.sensing import options as sensing_options
 from dynabot_mj.sensing import samples as replay
-from dynabot_mj.sensing.errors import SensorOptions
 from dynabot_mj.sensing.ground_truth import GroundTruth
+from dynabot_mj.sensing.options import SensorOptions
 from dynabot_mj.sensing.samples import Samples, Track
 from dynabot_mj.study import configuration
 
@@ -107,8 +107,8 @@ def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) ->
             raise InputError(
                 f"period = {found.period:g} s given, for the rigid plant it must be a multiple of {tether.INTERVAL:g} s"
             )
-    errors.check(found.sensors, robots=1)
-    filter_parameters.check(found.filter)
+    sensing_options.check(found.sensors, robots=1)
+    perception_options.check(found.filter)
     return found
 
 
@@ -168,7 +168,7 @@ def follow(asked: Request, begin: int, count: int, progress: Progress = lambda s
     for index, name in enumerate(build.NAMES):
         estimator = build.build(name, (count,), asked.filter)
         consistency = Consistency(estimator, state, first)
-        tracks[name] = replay.follow(samples, estimator, consistency.look)
+        tracks[name] = replay.follow(samples, estimator, consistency.collect)
         scores[name], fits[name] = estimation_scores.judge(asked.path, tracks[name], truth, consistency, first)
         progress(driving + (1.0 - driving) * (index + 1) / len(build.NAMES))
     return Chunk(first=first, truth=truth, samples=samples, tracks=tracks, fits=fits, scores=scores)

@@ -21,7 +21,7 @@ from dynabot_mj.experiments.estimators import checks, consistency_bounds, scores
 from dynabot_mj.experiments.estimators.checks import Drives
 from dynabot_mj.experiments.estimators.consistency_bounds import Kind, Squares, Whiteness
 from dynabot_mj.sensing import samples
-from dynabot_mj.sensing.errors import GpsErrors, SensorOptions, matched
+from dynabot_mj.sensing.options import GpsErrors, SensorOptions, matched
 
 EkfName = Literal["coupled", "decoupled"]
 EKFS: tuple[EkfName, ...] = get_args(EkfName)
@@ -130,7 +130,7 @@ def _watched(
     squares: dict[str, list[Array]] = {part: [] for part in PARTS}
     updates: dict[str, list[Update]] = {one: [] for one in ("bearing", *_FIXES[name])}
 
-    def look(index: int) -> None:
+    def collect(index: int) -> None:
         if drives.samples.time[index] < SETTLED:
             return
         state, covariance = ekf.moments()
@@ -144,5 +144,5 @@ def _watched(
         for one, update in zip(_FIXES[name], estimator.fix_updates[1], strict=False):
             updates[one].append(update)
 
-    samples.follow(drives.samples, estimator, look)
+    samples.follow(drives.samples, estimator, collect)
     return np.array(errors), squares, updates

@@ -23,8 +23,8 @@ from dynabot_mj.experiments.estimators import checks, troubles
 from dynabot_mj.experiments.estimators.crossings import Crossing, crossing
 from dynabot_mj.experiments.estimators.troubles import BEGIN, LONGEST, Trouble
 from dynabot_mj.sensing import samples as replay
-from dynabot_mj.sensing.errors import SensorOptions
 from dynabot_mj.sensing.ground_truth import GroundTruth
+from dynabot_mj.sensing.options import SensorOptions
 from dynabot_mj.sensing.samples import Samples
 
 WITHIN = 10.0  # after the end of a fault, in which estimators should be back [s]

@@ -30,7 +30,7 @@ from dynabot_mj.estimation.measurements import GpsFix
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 from dynabot_mj.experiments.estimators import checks
 from dynabot_mj.sensing import samples as replay
-from dynabot_mj.sensing.errors import SensorOptions
+from dynabot_mj.sensing.options import SensorOptions
 
 MEASUREMENTS = ("position x", "position y", "velocity", "bearing")
 _DURATION = 100.0  # [s]

@@ -46,7 +46,7 @@ class Scores:
 
 
 class Consistency:
-    """Collects NEES and NIS while an estimator follows samples: give `look` to `samples.follow`."""
+    """Collects NEES and NIS while an estimator follows samples: give `collect` to `samples.follow`."""
 
     def __init__(self, estimator: Estimator, state: Array, first: int) -> None:
         """Starts with no sample.
@@ -61,7 +61,7 @@ class Consistency:
         self._nees, self._samples = np.zeros(runs), 0
         self._nis, self._fixes = np.zeros(runs), np.zeros(runs)
 
-    def look(self, index: int) -> None:
+    def collect(self, index: int) -> None:
         """Takes what the estimator believes after a sample."""
         if index < self._first:
             return

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from dynabot_mj.experiments.estimators import kinematic
 from dynabot_mj.experiments.estimators.checks import PERIOD
-from dynabot_mj.sensing.errors import GpsErrors, ImuErrors, SensorOptions
 from dynabot_mj.sensing.faults import Channel, Fault
+from dynabot_mj.sensing.options import GpsErrors, ImuErrors, SensorOptions
 
 BEGIN = 30.0  # of a fault, once estimators have settled and robots drive [s]
 LONGEST = 10.0  # that a fault lasts [s]

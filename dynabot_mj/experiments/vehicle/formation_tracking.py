@@ -1,20 +1,16 @@
 """How well the bodies imitate the particles in formation: perfect information, one local-law set, one ground."""
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dynabot_mj.common.arrays import Array, BoolArray
-from dynabot_mj.controllers import potential_field
-from dynabot_mj.formation.leader import LEADER_W
+from dynabot_mj.experiments.vehicle import period_ends
+from dynabot_mj.experiments.vehicle.period_ends import PeriodEnds
 from dynabot_mj.formation.metrics import Scores
-from dynabot_mj.formation.scorer import Scorer
-from dynabot_mj.formation.starts import starts
-from dynabot_mj.plants.plant import Plant
-from dynabot_mj.plants.rigid_body import RigidBodyPlant
-from dynabot_mj.study import assembly, scenario
+from dynabot_mj.study import assembly
 from dynabot_mj.study.scenario import Case, Scenario
+from dynabot_mj.trial.judge import Outcome
 
 FINAL = 10.0  # over which the yaw's path is taken [s]
 _RIGID, _PARTICLE = (Case(plant=plant, perception=None, estimator="perfect") for plant in ("rigid", "particle"))
@@ -35,7 +31,6 @@ class FormationTracking:
     diverged: BoolArray  # (B,) on either plant
 
 
-@np.errstate(over="ignore", invalid="ignore")
 def follow(setup: Scenario, trials: range) -> FormationTracking:
     """Runs the same trials on both plants, each acting on the truth about its own robots.
 
@@ -43,57 +38,38 @@ def follow(setup: Scenario, trials: range) -> FormationTracking:
         setup: The study's configuration, whose method `perfect` gives gains and period.
         trials: Their numbers.
     """
-    position_w, heading = starts(setup.start, setup.robots, setup.seed, trials)
-    period = scenario.periods(setup, "perfect")[1] * setup.processor.tick
-    field = scenario.field(setup, "perfect")
-    rigid = assembly.plant(setup, _RIGID, position_w, heading, trials)
-    particle = assembly.plant(setup, _PARTICLE, position_w, heading, trials)
-    assert isinstance(rigid, RigidBodyPlant)
-    count = math.ceil(scenario.duration(setup) / period - 1e-9)
-    formation = assembly.formation(setup, _RIGID, field)
-    scorers = [Scorer(formation, LEADER_W, one.state, count * period) for one in (rigid, particle)]
-    seconds = int((count - 1) * period) + 1
-    squares, events = np.zeros((2, seconds)), np.zeros(seconds)
-    yaw_path = np.zeros(heading.shape)
-    for event in range(count):
-        before = rigid.state
-        for plant, scorer in zip((rigid, particle), scorers, strict=True):
-            _advance(plant, scorer, field, period)
-        healthy = ~(rigid.diverged | particle.diverged)
-        second = int(event * period)
-        ours, theirs = rigid.state, particle.state
-        squares[0, second] += _square(ours.velocity_w - theirs.velocity_w, healthy)
-        squares[1, second] += _square(ours.position_w - theirs.position_w, healthy)
-        events[second] += 1.0
-        if ours.time > count * period - FINAL:
-            yaw_path += np.abs(ours.heading - before.heading)
-    for plant, scorer in zip((rigid, particle), scorers, strict=True):
-        scorer.control(plant.state)
-    velocity, position = np.sqrt(squares.sum(axis=1) / events.sum())
+    (rigid, driven), (particle, ideal) = (_run(setup, case, trials) for case in (_RIGID, _PARTICLE))
+    healthy = ~(driven.diverged | ideal.diverged)[1:]
+    second = driven.time[:-1].astype(int)
+    velocity, position = (
+        np.bincount(second, [_square(error_w, sound) for error_w, sound in zip(errors_w[1:], healthy, strict=True)])
+        for errors_w in (driven.velocity_w - ideal.velocity_w, driven.position_w - ideal.position_w)
+    )
+    final = driven.time[1:] > driven.time[-1] - FINAL
     return FormationTracking(
-        rigid=scorers[0].scores(),
-        particle=scorers[1].scores(),
-        velocity_error=float(velocity),
-        position_error=float(position),
-        velocity_error_by_time=np.sqrt(squares[0] / events),
-        yaw_path=yaw_path.max(axis=-1),
+        rigid=rigid.scores,
+        particle=particle.scores,
+        velocity_error=float(np.sqrt(velocity.sum() / len(second))),
+        position_error=float(np.sqrt(position.sum() / len(second))),
+        velocity_error_by_time=np.sqrt(velocity / np.bincount(second)),
+        yaw_path=np.abs(np.diff(driven.heading, axis=0))[final].sum(axis=0).max(axis=-1),
         wheel_slip=rigid.wheel_slip,
-        hull_contact=rigid.hull_contact.astype(float),
+        hull_contact=rigid.hull_contact,
         diverged=rigid.diverged | particle.diverged,
     )
 
 
-def _advance(plant: Plant, scorer: Scorer, field: potential_field.PotentialField, period: float) -> None:
-    """Commands what perfect information gives, and holds it for a period."""
-    state = plant.state
-    n = state.heading.shape[1]
-    neighbours_w = np.broadcast_to(state.position_w[:, None], (len(state.heading), n, n, 2))
-    known = np.broadcast_to(~np.eye(n, dtype=bool), (len(state.heading), n, n))
-    force_w = potential_field.total_force(state.position_w, state.velocity_w, LEADER_W, neighbours_w, known, field)
-    scorer.control(state)
-    for look in plant.step(force_w, period):
-        scorer.look(look)
+def _run(setup: Scenario, case: Case, trials: range) -> tuple[Outcome, PeriodEnds]:
+    """Runs whole control periods, in which robots sample when they act."""
+    made = assembly.parts(setup, case, trials)
+    control = made.clocks.control_ticks
+    periods = -(-made.clocks.duration_ticks // control)
+    made = replace(made, clocks=replace(made.clocks, sample_ticks=control, duration_ticks=control * periods))
+    judging = assembly.judge(setup, case, made)
+    ends = period_ends.drive(made, [judging])
+    return judging.outcome(), ends
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of what has broken down
 def _square(error_w: Array, healthy: BoolArray) -> float:
     return float((error_w[healthy] ** 2).sum(axis=-1).mean())

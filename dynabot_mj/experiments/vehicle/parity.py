@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dynabot_mj.common.arrays import Array
-from dynabot_mj.controllers import planar_model
+from dynabot_mj.controllers.design import planar_model
 from dynabot_mj.experiments.vehicle.course import TURNING, Course
 from dynabot_mj.plants import scene
 

@@ -18,7 +18,7 @@ from dynabot_mj.experiments.vehicle.tracking import Tracking
 from dynabot_mj.formation import metrics
 from dynabot_mj.host import files, opengl, processes
 from dynabot_mj.plants.options import SteeringName
-from dynabot_mj.study import configuration, scenario
+from dynabot_mj.study import configuration, fleet, scenario
 from dynabot_mj.study.scenario import Scenario
 from dynabot_mj.testbed import paper
 
@@ -264,7 +264,7 @@ def _courses(seed: int) -> dict[str, Tracking]:
     driven = {}
     for laws in LAWS:
         setup = configuration.build({"vehicle": {"steering": laws.steering, "gains": laws.gains}})
-        driven[laws.label] = tracking.follow(courses, scenario.laws(setup))
+        driven[laws.label] = tracking.follow(courses, fleet.local_laws(setup))
     return driven
 
 

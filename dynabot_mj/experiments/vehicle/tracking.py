@@ -5,16 +5,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from dynabot_mj.common.arrays import Array
+from dynabot_mj.controllers.law import Information
 from dynabot_mj.controllers.potential_field import polygon_circumradius
-from dynabot_mj.experiments.vehicle import manoeuvres
+from dynabot_mj.experiments.vehicle import manoeuvres, period_ends
 from dynabot_mj.experiments.vehicle.manoeuvres import Courses
+from dynabot_mj.formation.leader import LEADER_W
 from dynabot_mj.formation.options import FieldOptions
+from dynabot_mj.perception.surrogates import PerfectPerception
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.plants.particle import ParticlePlant
 from dynabot_mj.plants.plant import Plant
 from dynabot_mj.plants.rigid_body import RigidBodyPlant
 from dynabot_mj.testbed import paper
+from dynabot_mj.testbed.radio import INSTANT_LINK, Radio
+from dynabot_mj.trial.clocks import Clocks
+from dynabot_mj.trial.loop import Parts
 
 FIELD = FieldOptions()  # whose dissipation and wells the courses have
 WELL_RADIUS = polygon_circumradius(FIELD.spacing, paper.ROBOTS)  # h0 [m]
@@ -85,16 +91,35 @@ def follow(
 
 
 def _drive(plant: Plant, courses: Courses) -> Motion:
-    position, velocity, time = [], [], []
-    for push in np.moveaxis(courses.force_w, 1, 0):
-        state = plant.state
-        wells = manoeuvres.field_force(state.position_w[:, 0], courses, WELL_RADIUS, FIELD.width, FIELD.spacing)
-        force_w = push + wells - FIELD.dissipation * state.velocity_w[:, 0]
-        plant.step(force_w[:, None], courses.period)
-        position.append(plant.state.position_w[:, 0])
-        velocity.append(plant.state.velocity_w[:, 0])
-        time.append(plant.state.time)
-    return Motion(time=np.array(time), position_w=np.stack(position, 1), velocity_w=np.stack(velocity, 1))
+    """Runs a trial of one robot for each course, in the same loop as the study's."""
+    count, periods = courses.force_w.shape[:2]
+
+    def law(known: Information) -> Array:
+        push = courses.force_w[:, round(known.time / courses.period)]
+        wells = manoeuvres.field_force(known.position_w[:, 0], courses, WELL_RADIUS, FIELD.width, FIELD.spacing)
+        return (push + wells - FIELD.dissipation * known.velocity_w[:, 0])[:, None]
+
+    ends = period_ends.drive(
+        Parts(
+            clocks=Clocks(
+                tick=courses.period,
+                sample_ticks=1,
+                control_ticks=1,
+                duration_ticks=periods,
+                phase=np.zeros(1, dtype=np.int64),
+            ),
+            plant=plant,
+            perception=PerfectPerception(),
+            radio=Radio(INSTANT_LINK, 1, 0, range(count)),  # with nobody to be heard
+            law=law,
+            leader_w=LEADER_W,
+        )
+    )
+    return Motion(
+        time=ends.time[1:],
+        position_w=ends.position_w[1:, :, 0].swapaxes(0, 1),
+        velocity_w=ends.velocity_w[1:, :, 0].swapaxes(0, 1),
+    )
 
 
 def _rms(error_w: Array) -> Array:

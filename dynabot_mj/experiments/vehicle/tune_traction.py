@@ -14,7 +14,7 @@ from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.common.intervals import Difference
 from dynabot_mj.common.tables import aligned
 from dynabot_mj.controllers import gains as gain_sets
-from dynabot_mj.controllers import tuning
+from dynabot_mj.controllers.design import design_model, tuning
 from dynabot_mj.controllers.gains import Gains
 from dynabot_mj.experiments.vehicle import manoeuvres
 from dynabot_mj.experiments.vehicle.manoeuvres import Courses, Manoeuvre
@@ -158,9 +158,9 @@ def check(request: Request) -> None:
     scene.read_robot(request.conditions)
 
 
-def problem(request: Request, courses: Courses) -> tuning.Problem:
+def problem(request: Request, courses: Courses) -> design_model.Problem:
     """Returns the optimal control problem of courses."""
-    return tuning.Problem(
+    return design_model.Problem(
         vehicle=scene.read_robot(request.conditions).vehicle,
         dissipation=FIELD.dissipation,
         well_radius=WELL_RADIUS,
@@ -189,7 +189,7 @@ def validate(request: Request, before: Gains, after: Gains, progress: Progress =
     course are not independent.
     """
     held_out = manoeuvres.random(request.seed, HELD_OUT, _VALIDATION)
-    weight = tuning.Weights().position
+    weight = design_model.Weights().position
     frictions = sorted({*FRICTIONS, scene.read_robot(request.conditions).vehicle.friction})
     payloads = sorted({*PAYLOADS, request.conditions.payload})
     periods = sorted({*PERIODS, request.period})
@@ -247,7 +247,7 @@ def markdown(result: Result, models: Parity) -> str:
     old, new = _gains(request.against), solution.gains
     table = [
         [name, *(f"{_value(one, request, name):.4g}" for one in (old, new)), _bounds(name, _value(new, request, name))]
-        for name in tuning.free(request.steering)
+        for name in design_model.free(request.steering)
     ]
     body = [
         [f"{one.friction:g}", f"{one.payload_kg:g}", f"{one.period_ms:g}", *_costs(one.cost_before, one.cost_after)]
@@ -287,7 +287,7 @@ def _gains(name: str) -> Gains:
 
 def _bounds(name: str, tuned: float) -> str:
     """Returns between what a gain was sought, and whether it ended there: the optimum may lie beyond."""
-    low, high = tuning.BOUNDS[name]
+    low, high = design_model.BOUNDS[name]
     near = min(tuned - low, high - tuned) < _AT_BOUND * (high - low)
     return f"{low:g} to {high:g}" + (", at its bound" if near else "")
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from dynabot_mj.common.arrays import Array, measured
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample
-from dynabot_mj.sensing.errors import WheelErrors
 from dynabot_mj.sensing.ground_truth import GroundTruth
 from dynabot_mj.sensing.logs import files
 from dynabot_mj.sensing.logs.columns import QUANTITIES
+from dynabot_mj.sensing.options import WheelErrors
 from dynabot_mj.sensing.samples import Samples
 
 

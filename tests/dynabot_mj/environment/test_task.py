@@ -39,7 +39,7 @@ def play(env, law, episodes=1):
 
 
 def field_law(setup, estimator):
-    field = scenario.field(setup, estimator)
+    field = assembly.field(setup, estimator)
 
     def law(seen):
         return potential_field.total_force(

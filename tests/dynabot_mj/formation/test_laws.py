@@ -7,9 +7,9 @@ from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.controllers import potential_field
 from dynabot_mj.controllers.law import Information
 from dynabot_mj.formation import laws as control_laws
-from dynabot_mj.study import configuration, provenance, scenario
+from dynabot_mj.study import assembly, configuration, provenance
 
-FIELD = scenario.field(configuration.build({}), "decoupled")
+FIELD = assembly.field(configuration.build({}), "decoupled")
 OTHERS = ~np.eye(3, dtype=bool)
 LAWS = """
 import numpy as np

@@ -41,11 +41,12 @@ def run(position_at, duration=20.0, formation=FORMATION, period=0.01, pose_at=la
             pose=pose_at(time),
         )
 
-    scorer = Scorer(formation, np.zeros(2), state(0.0), duration)
+    start = state(0.0)
+    scorer = Scorer(formation, np.zeros(2), start.heading.shape, duration)
+    scorer.substep(start)
     for k in range(round(duration / period)):
         scorer.control(state(k * period))
-        scorer.look(state((k + 1) * period))
-    scorer.control(state(duration))
+        scorer.substep(state((k + 1) * period))
     return scorer.scores()
 
 
@@ -153,8 +154,8 @@ def test_top_speed_counts_the_fastest_robot():
         yaw_rate=np.zeros((1, 3)),
         velocity_increment_b=np.zeros((1, 3, 2)),
     )
-    scorer = Scorer(FORMATION, np.zeros(2), state, 5.0)
-    scorer.control(state)
+    scorer = Scorer(FORMATION, np.zeros(2), (1, 3), 5.0)
+    scorer.substep(state)
     assert scorer.scores().top_speed[0] == pytest.approx(5.0)
 
 
@@ -225,3 +226,25 @@ def test_bodies_on_their_side_or_back_are_told_and_have_not_formed(tilt, expecte
     if expected:
         assert scores.overturned[0] == pytest.approx(3.01)
     assert scores.completion_common[0] == (0.0 if expected else 1.0)
+
+
+def test_who_is_near_whom_is_told_of_the_latest_state_alone():
+    def state(time, second):
+        zero = np.zeros((1, 3, 2))
+        return FleetState(
+            time=time,
+            position_w=np.array([[[0.0, 0.0], [second, 0.0], [0.0, 4.0]]]),
+            velocity_w=zero,
+            heading=zero[..., 0],
+            yaw_rate=zero[..., 0],
+            velocity_increment_b=zero,
+        )
+
+    scorer = Scorer(FORMATION, np.zeros(2), (1, 3), 5.0)
+    scorer.substep(state(0.0, 0.45))  # footprints are 0.5 m long
+    np.testing.assert_allclose(scorer.distance[0, 0], 0.45)
+    np.testing.assert_array_equal(scorer.overlapping, [[True, False, False]])
+    np.testing.assert_array_equal(np.stack(scorer.pairs), [[0, 0, 1], [1, 2, 2]])
+    scorer.substep(state(0.01, 3.0))
+    np.testing.assert_allclose(scorer.distance, [[3.0, 4.0, 5.0]])
+    assert not scorer.overlapping.any()

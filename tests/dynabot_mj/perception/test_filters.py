@@ -7,8 +7,8 @@ from dynabot_mj.estimation.build import NAMES, build
 from dynabot_mj.estimation.estimator import Estimator
 from dynabot_mj.perception.filters import FilterPerception
 from dynabot_mj.plants.plant import FleetState
-from dynabot_mj.sensing.errors import SensorOptions
 from dynabot_mj.sensing.faults import Fault
+from dynabot_mj.sensing.options import SensorOptions
 
 PERIOD = 0.036
 TRIALS = 4
@@ -33,7 +33,7 @@ def aligned(name="decoupled", options=None, alignment=4.0, **others):
 @pytest.mark.parametrize("name", NAMES)
 def test_after_alignment_robots_know_where_they_are(name):
     perception = aligned(name)
-    perception.look(START)
+    perception.substep(START)
     belief = perception.observe(START, ALL)
     assert belief.known.all()
     # White noise of 1 m and a slow error of 0.75 m: 1.25 m per axis at most; five deviations.
@@ -45,7 +45,7 @@ def test_after_alignment_robots_know_where_they_are(name):
 
 def test_without_a_fix_nothing_is_known():
     perception = aligned(options=SensorOptions(faults=(Fault(kind="outage", start=-10.0, robots=(1,)),)))
-    perception.look(START)
+    perception.substep(START)
     belief = perception.observe(START, ALL)
     np.testing.assert_array_equal(belief.known, [[True, False]] * TRIALS)
     assert np.isfinite(perception.navigation_error(0.0).heading).all()
@@ -53,7 +53,7 @@ def test_without_a_fix_nothing_is_known():
 
 def test_the_heading_error_grows_by_the_gyro_that_is_left():
     perception = aligned()
-    perception.look(START)
+    perception.substep(START)
     perception.observe(START, ALL)
     now, later = perception.navigation_error(0.0), perception.navigation_error(0.5)
     np.testing.assert_allclose(later.heading - now.heading, 0.5 * now.yaw_rate)
@@ -63,11 +63,11 @@ def test_the_heading_error_grows_by_the_gyro_that_is_left():
 def test_between_samples_the_error_is_what_the_next_sample_shows():
     """Local laws and filter see one and the same sensor: believed heading now = then + period x (gyro - bias)."""
     perception = aligned("decoupled", SensorOptions(faults=(Fault(kind="nan", channel="magnetometer", start=0.0),)))
-    perception.look(START)
+    perception.substep(START)
     perception.observe(START, ALL)
     expected = perception.navigation_error(PERIOD).heading
     state = replace(START, time=PERIOD)
-    perception.look(state)
+    perception.substep(state)
     perception.observe(state, ALL)  # without a bearing, the filter only carries its heading on
     np.testing.assert_allclose(perception.navigation_error(PERIOD).heading, expected, atol=1e-12)
 
@@ -89,7 +89,7 @@ def test_what_is_wrong_with_the_gyro_is_wrong_for_the_local_laws_too():
         for step in range(3):
             now = PERIOD * step
             state = replace(START, time=now, heading=START.heading + 0.5 * now, yaw_rate=START.yaw_rate + 0.5)
-            perception.look(state)
+            perception.substep(state)
             perception.observe(state, ALL)
         # White noise of 0.5 and a bias of 0.5 deg/s, of which the filter has found a part: five deviations of both.
         np.testing.assert_allclose(perception.navigation_error(now).yaw_rate, expected, atol=np.radians(3.6))
@@ -109,6 +109,6 @@ def test_a_fix_that_is_true_just_before_the_start_is_not_missed():
     perception = FilterPerception(
         estimator, replace(SensorOptions(), gps=gps), period, 0, range(TRIALS), START, alignment=period
     )
-    perception.look(START)
+    perception.substep(START)
     perception.observe(START, ALL)
     assert received == pytest.approx([0.0, 0.056])

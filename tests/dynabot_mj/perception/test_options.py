@@ -1,9 +1,13 @@
+from dataclasses import asdict, fields, replace
+
 import numpy as np
 import pytest
 
+from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.estimation.build import NAMES
 from dynabot_mj.estimation.parameters import DEFAULT
-from dynabot_mj.perception.options import FilterOptions, FittedOptions
+from dynabot_mj.perception import options
+from dynabot_mj.perception.options import FilterOptions, FilterParameters, FittedOptions
 from dynabot_mj.study import configuration
 
 
@@ -27,3 +31,15 @@ def test_parts_that_are_not_given_are_exact():
     setup = configuration.build({"fitted": {"gps": {"position": position}}})
     assert setup.fitted.gps.velocity == setup.fitted.gps.heading == ()
     assert setup.fitted.coupled == FittedOptions().coupled
+
+
+def test_defaults_are_those_of_the_filters():
+    assert asdict(FilterParameters()) == asdict(DEFAULT)
+    options.check(DEFAULT)
+
+
+@pytest.mark.parametrize("name", [field.name for field in fields(DEFAULT)])
+@pytest.mark.parametrize("value", [0.0, -1.0, float("inf"), float("nan")])
+def test_parameters_out_of_range_are_refused(name, value):
+    with pytest.raises(InputError, match=f"filter.{name} = .* given, it must be "):
+        options.check(replace(DEFAULT, **{name: value}))

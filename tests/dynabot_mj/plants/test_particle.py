@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dynabot_mj.plants.particle import ParticlePlant
-from dynabot_mj.plants.plant import LOOK_PERIOD
+from dynabot_mj.plants.plant import LONGEST_SUBSTEP
 
 MASS = 12.0
 
@@ -23,9 +23,9 @@ def test_a_held_force_matches_the_closed_form(seed, gap):
 
 def test_looks_are_close_and_end_at_the_gap():
     plant = ParticlePlant(MASS, np.zeros((1, 2, 2)), np.zeros((1, 2)))
-    times = [0.0, *(look.time for look in plant.step(np.ones((1, 2, 2)), 0.156))]
+    times = [0.0, *(state.time for state in plant.step(np.ones((1, 2, 2)), 0.156))]
     assert len(times) == 17
-    assert np.diff(times).max() <= LOOK_PERIOD + 1e-12
+    assert np.diff(times).max() <= LONGEST_SUBSTEP + 1e-12
     assert times[-1] == pytest.approx(0.156, abs=1e-15)
     assert len(plant.step(np.ones((1, 2, 2)), 0.010)) == 1
 
@@ -41,7 +41,7 @@ def test_dissipation_held_over_a_gap_is_what_the_sampled_loop_feels():
 def test_heading_follows_the_velocity_at_a_limited_rate_and_rests_with_the_robot():
     plant = ParticlePlant(MASS, np.zeros((1, 1, 2)), np.zeros((1, 1)))
     force = np.array([[[0.0, 120.0]]])
-    headings = [look.heading[0, 0] for _ in range(10) for look in plant.step(force, 0.1)]
+    headings = [state.heading[0, 0] for _ in range(10) for state in plant.step(force, 0.1)]
     assert headings[0] == 0.0  # 0.1 m/s is below the speed at which it turns
     assert np.diff(headings).max() <= 3.0 * 0.010 + 1e-12
     assert headings[-1] == pytest.approx(np.pi / 2)

@@ -8,7 +8,7 @@ from dynabot_mj.controllers.odometry import REAL_SENSORS
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.plants.particle import ParticlePlant
-from dynabot_mj.plants.plant import LOOK_PERIOD, NavigationError
+from dynabot_mj.plants.plant import LONGEST_SUBSTEP, NavigationError
 from dynabot_mj.plants.rigid_body import RigidBodyPlant, divided
 
 # The set that no tuning changes.
@@ -45,13 +45,13 @@ def test_without_force_nothing_moves():
 )
 def test_local_period_and_physics_step_divide_the_gap(gap, local, step):
     plant = RigidBodyPlant(*place(1, 1), LAWS)
-    looks = plant.step(np.zeros((1, 1, 2)), gap)
-    times = np.array([0.0, *(look.time for look in looks)])
+    states = plant.step(np.zeros((1, 1, 2)), gap)
+    times = np.array([0.0, *(state.time for state in states)])
     assert times[-1] == pytest.approx(gap, abs=1e-12)
-    assert np.diff(times).max() <= LOOK_PERIOD + 1e-12
+    assert np.diff(times).max() <= LONGEST_SUBSTEP + 1e-12
     assert plant._timestep[0] == pytest.approx(step)
     assert plant._batch.bind("time")[0] == pytest.approx(gap)
-    # Every end of a local period is among the looks, since the laws act there.
+    # Every end of a local period is among the substeps, since the laws act there.
     for k in range(1, round(gap / local) + 1):
         assert np.abs(times - k * local).min() < 1e-9
 

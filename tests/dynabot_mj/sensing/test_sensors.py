@@ -6,7 +6,7 @@ import pytest
 
 from dynabot_mj.controllers.vehicle import GRAVITY
 from dynabot_mj.plants.plant import FleetState
-from dynabot_mj.sensing.errors import GpsErrors, GroundErrors, ImuErrors, MagnetometerErrors, SensorOptions
+from dynabot_mj.sensing.options import GpsErrors, GroundErrors, ImuErrors, MagnetometerErrors, SensorOptions
 from dynabot_mj.sensing.sensors import Sensors
 
 PERIOD = 0.036
@@ -49,9 +49,9 @@ def sampled(sensors, state, count, *, period=PERIOD, due=None):
     """Yields the samples at the next times of a motion, looked at three times in each period."""
     for index in range(count):
         for look in range(3 if index else 0, 0, -1):
-            sensors.look(state(period * (index - look / 3.0)))
+            sensors.substep(state(period * (index - look / 3.0)))
         now = state(period * index)
-        sensors.look(now)
+        sensors.substep(now)
         yield sensors.sample(now, np.ones(now.heading.shape, dtype=bool) if due is None else due)
 
 
@@ -101,7 +101,7 @@ def test_a_robot_that_is_not_due_gets_its_fix_later_and_longer_averages():
     assert sum(fix.received[0, 0] for _, fix in early) == 1
     assert not any(fix.received[0, 1] for _, fix in early)
     now = moving(10 * PERIOD, robots=2)
-    sensors.look(now)
+    sensors.substep(now)
     imu, fix = sensors.sample(now, np.ones((1, 2), dtype=bool))
     assert fix.received.tolist() == [[True, True]] or fix.received.tolist() == [[False, True]]
     np.testing.assert_allclose(imu.period, [[PERIOD, 10 * PERIOD]])
@@ -127,7 +127,7 @@ def test_one_degree_of_slope_leaks_gravity_in_one_direction_of_the_ground():
     headings = []
     for index, angle in enumerate((0.0, 0.0, math.pi, math.pi)):
         now = replace(state, time=PERIOD * index, heading=np.full((50, 1), angle))
-        sensors.look(now)
+        sensors.substep(now)
         imu, _ = sensors.sample(now, np.ones((50, 1), dtype=bool))
         headings.append(imu.specific_force_b)
     leak = np.hypot(headings[1][..., 0], headings[1][..., 1])
@@ -207,7 +207,7 @@ def test_uneven_ground_leaks_the_mean_of_its_tilt_over_the_period(period):
     leaks = []
     for index in range(61):
         state = replace(start, time=index * period)
-        sensors.look(state)
+        sensors.substep(state)
         leaks.append(sensors.sample(state, np.ones((300, 2), dtype=bool))[0].specific_force_b)
     measured = np.array(leaks[1:])  # the first is an average over no time
     x = period / ground.unevenness_time

@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 
 from dynabot_mj.formation.starts import starts
-from dynabot_mj.study import assembly, configuration, scenario
+from dynabot_mj.study import assembly, configuration, fleet, scenario
 from dynabot_mj.study.assembly import simulate
 from dynabot_mj.study.scenario import Case, Scenario
-from dynabot_mj.trial import loop
+from dynabot_mj.trial import judge
 
 
 def case(plant, estimator, perception="gauss-markov"):
@@ -81,12 +81,12 @@ def test_clocks_of_their_own_shorten_the_age_of_the_slow_estimators_messages():
 def test_settling_sees_every_control_event_and_the_end(plant, monkeypatch):
     seen = []
 
-    class Spy(loop.Scorer):
+    class Spy(judge.Scorer):
         def control(self, state):
             super().control(state)
             seen.append(state.time)
 
-    monkeypatch.setattr(loop, "Scorer", Spy)
+    monkeypatch.setattr(judge, "Scorer", Spy)
     setup = configuration.load("[method.gps]\nsample_period = 0.027\ncontrol_period = 0.054", "test", duration=1.0)
     simulate(setup, case(plant, "gps"), [0])
     np.testing.assert_allclose(seen, [*np.arange(0.0, 1.0, 0.054), 1.0], atol=1e-9)
@@ -95,12 +95,12 @@ def test_settling_sees_every_control_event_and_the_end(plant, monkeypatch):
 def test_the_command_is_held_for_the_control_period(monkeypatch):
     forces = []
 
-    class Spy(assembly.ParticlePlant):
+    class Spy(fleet.ParticlePlant):
         def step(self, force_w, gap, error=None):
             forces.append((self.state.time, force_w[0, 0, 0]))
             return super().step(force_w, gap, error)
 
-    monkeypatch.setattr(assembly, "ParticlePlant", Spy)
+    monkeypatch.setattr(fleet, "ParticlePlant", Spy)
     setup = configuration.load("[method.gps]\nsample_period = 0.027\ncontrol_period = 0.054", "test", duration=0.54)
     simulate(setup, case("particle", "gps"), [0])
     times, values = np.array(forces).T
@@ -110,7 +110,7 @@ def test_the_command_is_held_for_the_control_period(monkeypatch):
 
 def test_footprints_are_the_hulls_with_their_margin_and_the_method_sets_the_tolerance():
     setup = Scenario()
-    shape = assembly.formation(setup, case("particle", "gps"), scenario.field(setup, "gps"))
+    shape = assembly.formation(setup, "gps")
     assert (shape.length, shape.breadth, shape.tolerance, shape.settling_band) == pytest.approx((0.52, 0.51, 3.5, 0.5))
 
 
@@ -159,8 +159,9 @@ def test_estimation_errors_and_radio_are_the_same_for_both_plants(monkeypatch):
 
     class RadioSpy(assembly.Radio):
         def broadcast(self, position_w, sampled_at, due):
-            super().broadcast(position_w, sampled_at, due)
-            arrivals.append(self._in_flight[-1].arrives_at)
+            message = super().broadcast(position_w, sampled_at, due)
+            arrivals.append(message.arrives_at)
+            return message
 
     monkeypatch.setattr(assembly, "GaussMarkovPerception", Spy)
     monkeypatch.setattr(assembly, "Radio", RadioSpy)

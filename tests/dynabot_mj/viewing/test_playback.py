@@ -109,7 +109,7 @@ def run(pacer, wall, duration, cost):
     for step in range(round(duration / 0.01) + 1):
         wall.now += cost
         place = np.stack([zero, zero], axis=1)
-        pacer.look(
+        pacer.substep(
             FleetState(
                 time=0.01 * step,
                 position_w=place,

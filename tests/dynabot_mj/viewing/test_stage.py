@@ -4,7 +4,7 @@ import pytest
 
 from dynabot_mj.common.legend import ROBOT_COLOURS
 from dynabot_mj.plants import scene
-from dynabot_mj.study import configuration, scenario
+from dynabot_mj.study import assembly, configuration, scenario
 from dynabot_mj.viewing import stage
 from dynabot_mj.viewing.stage import Snapshot, Stage
 
@@ -63,7 +63,7 @@ def test_perfect_information_has_no_ghosts():
 
 def test_rings_lie_at_the_edges_of_the_wells_floor():
     setup, shown = staged("rigid")
-    well = scenario.field(setup, "decoupled").leader
+    well = assembly.field(setup, "decoupled").leader
     boxes = (shown.model.geom_bodyid == 0) & (shown.model.geom_type == mujoco.mjtGeom.mjGEOM_BOX)
     radii = np.unique(np.hypot(*shown.model.geom_pos[boxes, :2].T).round(6))
     np.testing.assert_allclose(radii, [well.radius, well.radius + well.width], atol=1e-6)

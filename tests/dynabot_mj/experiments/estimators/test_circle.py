@@ -8,7 +8,7 @@ from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.estimation.build import NAMES
 from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.experiments.estimators import circle, circle_report
-from dynabot_mj.sensing.errors import matched
+from dynabot_mj.sensing.options import matched
 from dynabot_mj.testbed import paper as testbed
 
 # Standard deviations over the runs (200 runs, seed 0), and how far a mean may be from the paper's figure.

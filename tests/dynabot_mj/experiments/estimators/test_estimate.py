@@ -10,9 +10,9 @@ from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.experiments.estimators import estimate, kinematic
 from dynabot_mj.figures import log as replay_figures
 from dynabot_mj.sensing import samples as replay
-from dynabot_mj.sensing.errors import SensorOptions, WheelErrors
 from dynabot_mj.sensing.faults import Fault
 from dynabot_mj.sensing.logs import log as logs
+from dynabot_mj.sensing.options import SensorOptions, WheelErrors
 
 
 def recorded(duration, *faults):

@@ -8,7 +8,7 @@ from dynabot_mj.estimation import kalman, motion
 from dynabot_mj.estimation.decoupled_ekf import GROUPS
 from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.experiments.estimators import grouping
-from dynabot_mj.sensing.errors import matched
+from dynabot_mj.sensing.options import matched
 
 
 @pytest.fixture(scope="module")

@@ -89,11 +89,11 @@ def test_nees_and_nis_are_means_over_samples_and_fixes():
     covariance = np.tile(np.diag([4.0] + [0.01] * 9), (RUNS, 1, 1))
     estimator = SimpleNamespace(filter=FilterOfAllStates(believed, covariance), fix_updates=(np.arange(0), ()))
     watched = Consistency(estimator, state, 1)
-    watched.look(0)  # does not count
+    watched.collect(0)  # does not count
     estimator.fix_updates = (np.array([1]), (SimpleNamespace(squared=2.0), SimpleNamespace(squared=1.0)))
-    watched.look(1)
+    watched.collect(1)
     estimator.fix_updates = (np.array([1]), (SimpleNamespace(squared=5.0),))
-    watched.look(2)
+    watched.collect(2)
     np.testing.assert_allclose(watched.nees, [0.04 / 0.01, 0.04 / 0.01 + 9.0 / 4.0])
     np.testing.assert_allclose(watched.nis, [np.nan, 4.0])
 

@@ -9,7 +9,7 @@ from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.experiments.formation import case_rows, paired_tests, sensitivity
 from dynabot_mj.experiments.formation.paired_tests import Paired
 from dynabot_mj.figures import sensitivity as sensitivity_figure
-from dynabot_mj.study import configuration
+from dynabot_mj.study import checks, configuration
 
 
 def test_each_reading_changes_one_thing_and_is_allowed():
@@ -18,7 +18,7 @@ def test_each_reading_changes_one_thing_and_is_allowed():
     assert found[0] == setup
     texts = [configuration.dump(one).splitlines() for one in found]
     for reading, changed, text in zip(sensitivity.readings(setup)[1:], found[1:], texts[1:], strict=True):
-        configuration.check(changed)
+        checks.check(changed)
         lines = {line.split(" = ")[0] for line in set(text) ^ set(texts[0])}
         expected = {"gains 650, 300 for all": {"alpha_h", "alpha_d"}}.get(reading.name)
         assert lines == expected if expected else len(lines) == 1

@@ -12,10 +12,10 @@ from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.estimation import build
 from dynabot_mj.experiments.estimators import kinematic
 from dynabot_mj.sensing import samples as replay
-from dynabot_mj.sensing.errors import SensorOptions, WheelErrors
 from dynabot_mj.sensing.faults import Fault
 from dynabot_mj.sensing.logs import log as logs
 from dynabot_mj.sensing.logs.columns import COLUMNS
+from dynabot_mj.sensing.options import SensorOptions, WheelErrors
 
 FIELDS = [field.name for field in dataclasses.fields(logs.Log)]
 DOCUMENT = Path(__file__).parents[4] / "docs" / "logs.md"

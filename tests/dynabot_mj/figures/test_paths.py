@@ -3,9 +3,7 @@ import numpy as np
 import pytest
 
 from dynabot_mj import study
-from dynabot_mj.experiments.formation import compare
-from dynabot_mj.figures import compare as figures
-from dynabot_mj.figures import style
+from dynabot_mj.figures import paths, style
 from dynabot_mj.study import configuration
 
 
@@ -14,13 +12,8 @@ def dataset():
     return study.run(configuration.build({}, trials=2, duration=14.0, estimators=["perfect", "coupled"]))
 
 
-def test_colours_are_given_once():
-    colours = [*figures.ROBOT_COLOURS, *figures.METHOD_COLOURS.values()]
-    assert len(set(colours)) == len(colours) == 7 + 4
-
-
 def test_trajectories_show_both_plants_and_the_wells_rings(dataset):
-    figure = figures.trajectories(dataset, "coupled", "gauss-markov")
+    figure = paths.trajectories(dataset, "coupled", "gauss-markov")
     whole, near = figure.axes[:2], figure.axes[2:]
     assert [axis.get_title() for axis in whole] == ["point masses", "rigid bodies"]
     labels = [line.get_label() for line in near[0].lines]
@@ -36,26 +29,7 @@ def test_trajectories_show_both_plants_and_the_wells_rings(dataset):
     plt.close(figure)
 
 
-def test_table_iii_is_the_paper_beside_point_masses(dataset, tmp_path):
-    figure = figures.table_iii(compare.compared(dataset))
-    heights = [bar.get_height() for bar in figure.axes[0].patches]
-    assert len(heights) == 4
-    assert heights[0] == 33.0
-    style.save(figure, tmp_path / "table.png")
-    assert (tmp_path / "table.png").stat().st_size < 300_000
-
-
-def test_outcomes_are_those_that_plants_are_compared_by(dataset):
-    changed = dataset.copy(deep=True)
-    changed.collision_footprint[:] = 0.0
-    changed.collision_footprint[{"case": 3}] = [1.0, 0.0]
-    figure = figures.outcomes(compare.compared(changed))
-    assert len(figure.axes) == 4
-    assert [bar.get_height() for bar in figure.axes[2].patches] == [0.0, 0.0, 0.0, 50.0]
-    plt.close(figure)
-
-
 def test_the_same_figure_is_the_same_file(dataset, tmp_path):
     for name in ("a.png", "b.png"):
-        style.save(figures.trajectories(dataset, "perfect", ""), tmp_path / name)
+        style.save(paths.trajectories(dataset, "perfect", ""), tmp_path / name)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()

@@ -4,9 +4,9 @@ import pytest
 
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.estimation.parameters import DEFAULT
-from dynabot_mj.sensing import errors
-from dynabot_mj.sensing.errors import GpsErrors, SensorOptions, matched
+from dynabot_mj.sensing import options
 from dynabot_mj.sensing.faults import Fault
+from dynabot_mj.sensing.options import GpsErrors, SensorOptions, matched
 
 
 def test_matched_sensors_have_the_errors_that_the_filters_assume():
@@ -20,12 +20,12 @@ def test_matched_sensors_have_the_errors_that_the_filters_assume():
 
 @pytest.mark.parametrize("stamp_error", [0.06, math.inf, -math.inf, math.nan])
 def test_a_fix_cannot_arrive_before_its_stamp(stamp_error):
-    errors.check(SensorOptions(gps=GpsErrors(latency=0.05, stamp_error=0.05)), 1)
-    errors.check(SensorOptions(gps=GpsErrors(latency=0.05, stamp_error=-0.2)), 1)
+    options.check(SensorOptions(gps=GpsErrors(latency=0.05, stamp_error=0.05)), 1)
+    options.check(SensorOptions(gps=GpsErrors(latency=0.05, stamp_error=-0.2)), 1)
     with pytest.raises(InputError, match=r"stamp_error = .* s given, it must not exceed gps\.latency, 0\.05 s"):
-        errors.check(SensorOptions(gps=GpsErrors(latency=0.05, stamp_error=stamp_error)), 1)
+        options.check(SensorOptions(gps=GpsErrors(latency=0.05, stamp_error=stamp_error)), 1)
 
 
 def test_faults_are_checked_with_the_sensors():
     with pytest.raises(InputError, match="robot 1 given, there are the robots 0 to 0"):
-        errors.check(SensorOptions(faults=(Fault(kind="outage", robots=(1,)),)), 1)
+        options.check(SensorOptions(faults=(Fault(kind="outage", robots=(1,)),)), 1)

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dynabot_mj.controllers import planar_model
-from dynabot_mj.controllers.planar_model import STATES
+from dynabot_mj.controllers.design import planar_model
+from dynabot_mj.controllers.design.planar_model import STATES
 from dynabot_mj.controllers.traction import SIDES
 from dynabot_mj.experiments.vehicle.course import TURNING, Course
 from dynabot_mj.plants import scene
