@@ -38,15 +38,15 @@ class CoupledEkf:
         self.covariance = np.tile(np.eye(STATES), (count, 1, 1))
         self._fix_noise = np.diag([parameters.position_noise**2] * 2 + [parameters.velocity_noise**2] * 2)
 
-    def begin(self, rows: Rows, fix: GpsFix, bearing: Array) -> None:
-        """Starts with a first fix and bearing."""
+    def begin(self, rows: Rows, fix: GpsFix, magnetic_heading: Array) -> None:
+        """Starts with a first fix and magnetic heading."""
         p = self._parameters
         self.state[rows] = 0.0
         self.covariance[rows] = 0.0
         self.covariance[rows, YAW_RATE_BIAS, YAW_RATE_BIAS] = p.yaw_rate_bias**2
         for index in range(STATES)[ACCELERATION_BIAS]:
             self.covariance[rows, index, index] = p.acceleration_bias**2
-        self.believe_bearing(rows, bearing)
+        self.believe_heading(rows, magnetic_heading)
         self.believe_fix(rows, fix)
 
     def predict(self, rows: Rows, imu: ImuSample) -> None:
@@ -55,10 +55,10 @@ class CoupledEkf:
         self.state[rows] = prediction.state
         self.covariance[rows] = kalman.propagate(self.covariance[rows], prediction.jacobian, prediction.noise)
 
-    def see_bearing(self, rows: Rows, bearing: Array) -> Update:
-        """Takes a bearing."""
+    def see_heading(self, rows: Rows, magnetic_heading: Array) -> Update:
+        """Takes a magnetic heading."""
         state, p = self.state[rows], self._parameters
-        innovation = wrap(bearing - state[:, HEADING])
+        innovation = wrap(magnetic_heading - state[:, HEADING])
         gate = kalman.threshold(p.gate, 1)
         return self._taken(
             rows, kalman.update_one(state, self.covariance[rows], innovation, HEADING, p.bearing_noise**2, gate)
@@ -73,12 +73,12 @@ class CoupledEkf:
         update = kalman.update(state, self.covariance[rows], innovation, observation, self._fix_noise, gate)
         return (self._taken(rows, update),)
 
-    def believe_bearing(self, rows: Rows, bearing: Array) -> None:
-        """Sets the heading to a bearing; body axes turn under the velocity, which stays what it is over ground."""
+    def believe_heading(self, rows: Rows, magnetic_heading: Array) -> None:
+        """Sets the heading to a magnetic one; body axes turn under the velocity, which stays what it is over ground."""
         state = self.state[rows]
-        turn = rotation(state[:, HEADING] - bearing)
+        turn = rotation(state[:, HEADING] - magnetic_heading)
         state[:, VELOCITY] = motion.turned(turn, state[:, VELOCITY])
-        state[:, HEADING] = bearing
+        state[:, HEADING] = magnetic_heading
         self.state[rows] = state
         self._forget(rows, [HEADING], np.array([self._parameters.bearing_noise**2]))
 

@@ -1,6 +1,6 @@
 """The decoupled EKF (Sec. III.B): the ten states in sub-filters, each fed by the measurement that moves it most.
 
-    {phi, b_r}                     Kalman filter on bearings
+    {phi, b_r}                     Kalman filter on magnetic headings
     {v_x, v_y, b_ax, b_ay}         EKF on the fix's velocity; the heading is taken from its sibling
     {X, b_x}, {Y, b_y}             Kalman filters on the fix's position; the velocity is taken from its sibling
 
@@ -44,9 +44,9 @@ class DecoupledEkf:
         self.position = np.zeros((count, 2, 2))
         self.position_covariance = np.tile(np.eye(2), (count, 2, 1, 1))
 
-    def begin(self, rows: Rows, fix: GpsFix, bearing: Array) -> None:
-        """Starts with a first fix and bearing."""
-        self.heading.begin(rows, bearing)
+    def begin(self, rows: Rows, fix: GpsFix, magnetic_heading: Array) -> None:
+        """Starts with a first fix and magnetic heading."""
+        self.heading.begin(rows, magnetic_heading)
         self.velocity[rows, 2:] = 0.0
         self.velocity_covariance[rows] = np.eye(4) * self._parameters.acceleration_bias**2
         self.believe_fix(rows, fix)
@@ -88,9 +88,9 @@ class DecoupledEkf:
         spread[..., 1, 1] = slow**2 * spread[..., 1, 1] + p.position_bias**2 * (1.0 - slow**2)
         self.position[rows], self.position_covariance[rows] = position, spread
 
-    def see_bearing(self, rows: Rows, bearing: Array) -> Update:
-        """Takes a bearing."""
-        return self.heading.see_bearing(rows, bearing)
+    def see_heading(self, rows: Rows, magnetic_heading: Array) -> Update:
+        """Takes a magnetic heading."""
+        return self.heading.see_heading(rows, magnetic_heading)
 
     def see_fix(self, rows: Rows, fix: GpsFix, force_b: Array) -> tuple[Update, ...]:
         """Takes a fix: the velocity, then both components of the position."""
@@ -136,11 +136,11 @@ class DecoupledEkf:
         self.position[rows], self.position_covariance[rows] = position, covariance
         return swift, *(replace(one, accepted=inside) for one in both)
 
-    def believe_bearing(self, rows: Rows, bearing: Array) -> None:
-        """Sets the heading to a bearing; body axes turn under the velocity, which stays what it is over ground."""
-        turn = rotation(self.heading.state[rows, 0] - bearing)
+    def believe_heading(self, rows: Rows, magnetic_heading: Array) -> None:
+        """Sets the heading to a magnetic one; body axes turn under the velocity, which stays what it is over ground."""
+        turn = rotation(self.heading.state[rows, 0] - magnetic_heading)
         self.velocity[rows, :2] = turned(turn, self.velocity[rows, :2])
-        self.heading.believe(rows, bearing)
+        self.heading.believe(rows, magnetic_heading)
 
     def believe_fix(self, rows: Rows, fix: GpsFix) -> None:
         """Sets position and velocity to a fix, and the position's slow error to zero."""

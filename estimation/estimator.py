@@ -1,8 +1,9 @@
 """An estimator: one of the three filters, and the policy that is the same for all of them.
 
 The filters know the equations. The policy is what a robot needs on the ground: it starts a filter at the first fix and
-bearing, keeps samples that are not finite away from it, believes after all what has been rejected for long (the filter
-is wrong, not the sensor), tells how old the last believed fix is, and starts a filter again whose numbers broke down.
+magnetic heading, keeps samples that are not finite away from it, believes after all what has been rejected for long
+(the filter is wrong, not the sensor), tells how old the last believed fix is, and starts a filter again whose numbers
+broke down.
 """
 
 from collections.abc import Sequence
@@ -25,24 +26,24 @@ _PAST = 32  # samples remembered, to reach back to the time of a fix
 class Filter(Protocol):
     """The equations of one filter for M robots; samples are given for the rows that are meant, and are finite."""
 
-    def begin(self, rows: Rows, fix: GpsFix, bearing: Array) -> None:
-        """Starts with a first fix and bearing."""
+    def begin(self, rows: Rows, fix: GpsFix, magnetic_heading: Array) -> None:
+        """Starts with a first fix and magnetic heading."""
         ...
 
     def predict(self, rows: Rows, imu: ImuSample) -> None:
         """Carries the state over a sampling period."""
         ...
 
-    def see_bearing(self, rows: Rows, bearing: Array) -> Update:
-        """Takes a bearing; where it is NaN nothing changes."""
+    def see_heading(self, rows: Rows, magnetic_heading: Array) -> Update:
+        """Takes a magnetic heading; where it is NaN nothing changes."""
         ...
 
     def see_fix(self, rows: Rows, fix: GpsFix, force_b: Array) -> Sequence[Update]:
         """Takes a fix, in one update or several; the mean specific force since it was true reaches back to it."""
         ...
 
-    def believe_bearing(self, rows: Rows, bearing: Array) -> None:
-        """Sets the heading to a bearing and forgets what was believed; the velocity over ground stays."""
+    def believe_heading(self, rows: Rows, magnetic_heading: Array) -> None:
+        """Sets the heading to a magnetic heading and forgets what was believed; the velocity over ground stays."""
         ...
 
     def believe_fix(self, rows: Rows, fix: GpsFix) -> None:
@@ -71,8 +72,8 @@ class Estimator:
         """
         count = int(np.prod(shape))
         self.filter = filter
-        # The latest updates by a bearing and by a fix, and the rows that they are of: for tests of consistency.
-        self.bearing_update: tuple[npt.NDArray[np.intp], Update] | None = None
+        # The latest updates by magnetic heading and fix, and the rows that they are of: for tests of consistency.
+        self.heading_update: tuple[npt.NDArray[np.intp], Update] | None = None
         self.fix_updates: tuple[npt.NDArray[np.intp], Sequence[Update]] = (np.arange(0), ())
         self._shape, self._parameters = shape, parameters
         self._known = np.zeros(count, dtype=bool)
@@ -82,7 +83,7 @@ class Estimator:
         # The latest samples of the accelerometers and the periods that they are of; zero for robots that were not due.
         self._past_force_b, self._past_period = np.zeros((_PAST, count, 2)), np.zeros((_PAST, count))
         # Time since the first of a row of rejected samples; negative where the last one was believed.
-        self._fix_doubt, self._bearing_doubt = np.full(count, -1.0), np.full(count, -1.0)
+        self._fix_doubt, self._heading_doubt = np.full(count, -1.0), np.full(count, -1.0)
 
     def step(self, imu: ImuSample, fix: GpsFix, due: BoolArray) -> Estimate:
         """Takes the samples of the robots that are due.
@@ -105,22 +106,22 @@ class Estimator:
             known = self._known[rows]
             if known.any():
                 self._advance(rows[known], imu.at(known), fix.at(known), usable[known])
-            starting = ~known & usable & np.isfinite(imu.bearing)
+            starting = ~known & usable & np.isfinite(imu.magnetic_heading)
             if starting.any():
-                self._begin(rows[starting], fix.at(starting), imu.bearing[starting])
+                self._begin(rows[starting], fix.at(starting), imu.magnetic_heading[starting])
             self._restart_broken()
         return self._estimate()
 
     def _advance(self, rows: npt.NDArray[np.intp], imu: ImuSample, fix: GpsFix, usable: BoolArray) -> None:
-        """Predicts, then takes the bearing, then the fix."""
+        """Predicts, then takes the magnetic heading, then the fix."""
         some = self._meant(rows)
         self.filter.predict(some, imu)
-        update = self.filter.see_bearing(some, imu.bearing)
-        self.bearing_update = (rows, update)
-        seen = np.isfinite(imu.bearing)
-        believed = self._judge(self._bearing_doubt, rows, seen, update.accepted, self._parameters.bearing_patience)
+        update = self.filter.see_heading(some, imu.magnetic_heading)
+        self.heading_update = (rows, update)
+        seen = np.isfinite(imu.magnetic_heading)
+        believed = self._judge(self._heading_doubt, rows, seen, update.accepted, self._parameters.bearing_patience)
         if believed.any():
-            self.filter.believe_bearing(rows[believed], imu.bearing[believed])
+            self.filter.believe_heading(rows[believed], imu.magnetic_heading[believed])
         if not usable.any():
             return
         fixed, its_fix = rows[usable], fix.at(usable)
@@ -134,15 +135,15 @@ class Estimator:
         trusted = accepted | believed
         self._fix_age[fixed[trusted]] = its_fix.age[trusted]
 
-    def _begin(self, rows: npt.NDArray[np.intp], fix: GpsFix, bearing: Array) -> None:
-        self.filter.begin(rows, fix, bearing)
+    def _begin(self, rows: npt.NDArray[np.intp], fix: GpsFix, magnetic_heading: Array) -> None:
+        self.filter.begin(rows, fix, magnetic_heading)
         self._known[rows] = True
         self._fix_age[rows] = fix.age
-        self._fix_doubt[rows] = self._bearing_doubt[rows] = -1.0
+        self._fix_doubt[rows] = self._heading_doubt[rows] = -1.0
 
     def _elapse(self, rows: npt.NDArray[np.intp], period: Array) -> None:
         self._fix_age[rows] += period
-        for doubt in (self._fix_doubt, self._bearing_doubt):
+        for doubt in (self._fix_doubt, self._heading_doubt):
             doubt[rows] += np.where(doubt[rows] >= 0.0, period, 0.0)
 
     def _judge(
@@ -171,12 +172,12 @@ class Estimator:
         self._past_force_b, self._past_period = np.roll(self._past_force_b, 1, 0), np.roll(self._past_period, 1, 0)
         self._past_period[0] = 0.0
         self._past_force_b[0, rows], self._past_period[0, rows] = force_b, period
-        bearing = imu.bearing.reshape(-1)[rows]
+        magnetic_heading = imu.magnetic_heading.reshape(-1)[rows]
         return ImuSample(
             period=period,
             specific_force_b=force_b,
             yaw_rate=yaw_rate,
-            bearing=np.where(np.isfinite(bearing), bearing, np.nan),  # infinity has no angle
+            magnetic_heading=np.where(np.isfinite(magnetic_heading), magnetic_heading, np.nan),  # infinity has no angle
         )
 
     def _force_since(self, rows: npt.NDArray[np.intp], age: Array) -> Array:

@@ -30,9 +30,9 @@ class GpsExtrapolation:
         self._position_w, self._velocity_w = np.zeros((count, 2)), np.zeros((count, 2))
         self._age = np.zeros(count)  # of the fix
 
-    def begin(self, rows: Rows, fix: GpsFix, bearing: Array) -> None:
-        """Starts with a first fix and bearing."""
-        self._heading.begin(rows, bearing)
+    def begin(self, rows: Rows, fix: GpsFix, magnetic_heading: Array) -> None:
+        """Starts with a first fix and magnetic heading."""
+        self._heading.begin(rows, magnetic_heading)
         self.believe_fix(rows, fix)
 
     def predict(self, rows: Rows, imu: ImuSample) -> None:
@@ -41,9 +41,9 @@ class GpsExtrapolation:
         self._position_w[rows] += imu.period[:, None] * self._velocity_w[rows]
         self._age[rows] += imu.period
 
-    def see_bearing(self, rows: Rows, bearing: Array) -> Update:
-        """Takes a bearing."""
-        return self._heading.see_bearing(rows, bearing)
+    def see_heading(self, rows: Rows, magnetic_heading: Array) -> Update:
+        """Takes a magnetic heading."""
+        return self._heading.see_heading(rows, magnetic_heading)
 
     def see_fix(self, rows: Rows, fix: GpsFix, force_b: Array) -> tuple[Update]:
         """Takes a fix as it is; the update tells what it did, and accepts it always."""
@@ -65,9 +65,9 @@ class GpsExtrapolation:
             ),
         )
 
-    def believe_bearing(self, rows: Rows, bearing: Array) -> None:
-        """Sets the heading to a bearing."""
-        self._heading.believe(rows, bearing)
+    def believe_heading(self, rows: Rows, magnetic_heading: Array) -> None:
+        """Sets the heading to a magnetic heading."""
+        self._heading.believe(rows, magnetic_heading)
 
     def believe_fix(self, rows: Rows, fix: GpsFix) -> None:
         """Sets position and velocity to a fix."""

@@ -1,6 +1,6 @@
 """Heading and gyro bias: the two-state Kalman filter that GPS extrapolation and the decoupled EKF share.
 
-phi' = phi + T (w - b_r),        b_r' = b_r,        z = phi (a bearing, its innovation wrapped).
+phi' = phi + T (w - b_r),        b_r' = b_r,        z = phi (a magnetic heading, its innovation wrapped).
 """
 
 import numpy as np
@@ -27,15 +27,15 @@ class HeadingFilter:
         self.state = np.zeros((count, 2))
         self.covariance = np.tile(np.diag([parameters.bearing_noise**2, parameters.yaw_rate_bias**2]), (count, 1, 1))
 
-    def begin(self, rows: Rows, bearing: Array) -> None:
-        """Starts with a bearing."""
+    def begin(self, rows: Rows, magnetic_heading: Array) -> None:
+        """Starts with a magnetic heading."""
         self.state[rows, 1] = 0.0
-        self.believe(rows, bearing)
+        self.believe(rows, magnetic_heading)
         self.covariance[rows, 1, 1] = self._parameters.yaw_rate_bias**2
 
-    def believe(self, rows: Rows, bearing: Array) -> None:
-        """Sets the heading to a bearing."""
-        self.state[rows, 0] = bearing
+    def believe(self, rows: Rows, magnetic_heading: Array) -> None:
+        """Sets the heading to a magnetic heading."""
+        self.state[rows, 0] = magnetic_heading
         self.covariance[rows, 0] = self.covariance[rows, :, 0] = 0.0
         self.covariance[rows, 0, 0] = self._parameters.bearing_noise**2
 
@@ -52,13 +52,13 @@ class HeadingFilter:
         self.state[rows], self.covariance[rows] = state, covariance
         return yaw_rate
 
-    def see_bearing(self, rows: Rows, bearing: Array) -> Update:
-        """Takes a bearing; see `Filter.see_bearing`."""
+    def see_heading(self, rows: Rows, magnetic_heading: Array) -> Update:
+        """Takes a magnetic heading; see `Filter.see_heading`."""
         state, parameters = self.state[rows], self._parameters
         update = kalman.update_one(
             state,
             self.covariance[rows],
-            wrap(bearing - state[:, 0]),
+            wrap(magnetic_heading - state[:, 0]),
             0,
             parameters.bearing_noise**2,
             kalman.threshold(parameters.gate, 1),

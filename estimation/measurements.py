@@ -16,12 +16,12 @@ Chosen = int | npt.NDArray[np.intp] | BoolArray
 
 @dataclass(frozen=True, kw_only=True)
 class ImuSample:
-    """An inertial unit's averages over the period that ends now, and its bearing now."""
+    """An inertial unit's averages over the period that ends now, and its magnetic heading now."""
 
     period: Array  # (...) that the averages are over; 0: none has passed yet [s]
     specific_force_b: Array  # (..., 2) ahead and to the left [m/s^2]
     yaw_rate: Array  # (...) [rad/s]
-    bearing: Array  # (...) magnetic, from the world's x axis [rad]
+    magnetic_heading: Array  # (...) magnetic, from the world's x axis [rad]
 
     def at(self, chosen: Chosen) -> "ImuSample":
         """Returns one of the first leading axis, or several of them."""
@@ -29,7 +29,7 @@ class ImuSample:
             period=self.period[chosen],
             specific_force_b=self.specific_force_b[chosen],
             yaw_rate=self.yaw_rate[chosen],
-            bearing=self.bearing[chosen],
+            magnetic_heading=self.magnetic_heading[chosen],
         )
 
 

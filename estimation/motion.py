@@ -18,7 +18,7 @@ A GPS fix of age L sees the past, reached back with the motion of now, and the p
 
     h = [p + b - L V + L^2 / 2 A;   V - L A],        A = R(phi) a'.
 
-A magnetic bearing sees phi; its innovation is wrapped.
+A magnetic heading sees phi; its innovation is wrapped.
 """
 
 from dataclasses import dataclass

@@ -24,7 +24,9 @@ class Parameters:
     yaw_rate_density: float = 0.095 * _DEGREE  # [rad/s/sqrt(Hz)]
     yaw_rate_bias: float = 0.5 * _DEGREE  # deviation of b_r when switched on [rad/s]
     yaw_rate_bias_walk: float = 0.007 * _DEGREE  # its random walk [rad/s/sqrt(s)]
-    bearing_noise: float = 8.0 * _DEGREE  # [rad]; iron and motors distort a bearing slowly, which this has to cover
+    bearing_noise: float = (
+        8.0 * _DEGREE
+    )  # of the magnetic heading [rad]; iron and motors distort it slowly, which this has to cover
 
     position_density: float = 0.02  # what the motion model does not know, of the position [m/sqrt(s)]
     # The decoupled estimator's position filters take the velocity from their sibling. Its error is not white: its
@@ -36,7 +38,7 @@ class Parameters:
     # Belief
     gate: float = 0.9999  # share of the innovations of a consistent filter that pass
     fix_patience: float = 3.0  # fixes rejected for so long are believed after all [s]
-    bearing_patience: float = 1.0  # the same for bearings [s]
+    bearing_patience: float = 1.0  # the same for magnetic headings [s]
 
 
 DEFAULT = Parameters()

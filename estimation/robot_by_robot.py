@@ -14,24 +14,24 @@ from dynabot_mj.estimation.measurements import GpsFix, ImuSample
 class Robot(Protocol):
     """`dynabot_mj.estimation.estimator.Filter` for one robot: samples and results have no leading axes."""
 
-    def begin(self, fix: GpsFix, bearing: Array) -> None:
-        """Starts with a first fix and bearing."""
+    def begin(self, fix: GpsFix, magnetic_heading: Array) -> None:
+        """Starts with a first fix and magnetic heading."""
         ...
 
     def predict(self, imu: ImuSample) -> None:
         """Carries the state over a sampling period."""
         ...
 
-    def see_bearing(self, bearing: Array) -> Update:
-        """Takes a bearing; where it is NaN nothing changes."""
+    def see_heading(self, magnetic_heading: Array) -> Update:
+        """Takes a magnetic heading; where it is NaN nothing changes."""
         ...
 
     def see_fix(self, fix: GpsFix, force_b: Array) -> tuple[Update, ...]:
         """Takes a fix; the mean specific force since it was true reaches back to it."""
         ...
 
-    def believe_bearing(self, bearing: Array) -> None:
-        """Sets the heading to a bearing and forgets what was believed; the velocity over ground stays."""
+    def believe_heading(self, magnetic_heading: Array) -> None:
+        """Sets the heading to a magnetic heading and forgets what was believed; the velocity over ground stays."""
         ...
 
     def believe_fix(self, fix: GpsFix) -> None:
@@ -62,29 +62,29 @@ class RobotByRobot:
         """Takes the robots."""
         self._robots = tuple(robots)
 
-    def begin(self, rows: Rows, fix: GpsFix, bearing: Array) -> None:
-        """Starts with a first fix and bearing."""
+    def begin(self, rows: Rows, fix: GpsFix, magnetic_heading: Array) -> None:
+        """Starts with a first fix and magnetic heading."""
         for index, robot in self._meant(rows):
-            robot.begin(fix.at(index), bearing[index])
+            robot.begin(fix.at(index), magnetic_heading[index])
 
     def predict(self, rows: Rows, imu: ImuSample) -> None:
         """Carries the states over a period."""
         for index, robot in self._meant(rows):
             robot.predict(imu.at(index))
 
-    def see_bearing(self, rows: Rows, bearing: Array) -> Update:
-        """Takes a bearing."""
-        return _stacked([robot.see_bearing(bearing[index]) for index, robot in self._meant(rows)])
+    def see_heading(self, rows: Rows, magnetic_heading: Array) -> Update:
+        """Takes a magnetic heading."""
+        return _stacked([robot.see_heading(magnetic_heading[index]) for index, robot in self._meant(rows)])
 
     def see_fix(self, rows: Rows, fix: GpsFix, force_b: Array) -> tuple[Update, ...]:
         """Takes a fix."""
         seen = [robot.see_fix(fix.at(index), force_b[index]) for index, robot in self._meant(rows)]
         return tuple(_stacked(updates) for updates in zip(*seen, strict=True))
 
-    def believe_bearing(self, rows: Rows, bearing: Array) -> None:
-        """Sets the heading to a bearing."""
+    def believe_heading(self, rows: Rows, magnetic_heading: Array) -> None:
+        """Sets the heading to a magnetic heading."""
         for index, robot in self._meant(rows):
-            robot.believe_bearing(bearing[index])
+            robot.believe_heading(magnetic_heading[index])
 
     def believe_fix(self, rows: Rows, fix: GpsFix) -> None:
         """Sets position and velocity to a fix."""

@@ -29,7 +29,7 @@ def estimate(options: argparse.Namespace) -> None:
     from dynabot_mj.estimation.build import NAMES
     from dynabot_mj.experiments.estimators import circle
     from dynabot_mj.experiments.estimators import estimate as experiment
-    from dynabot_mj.figures import log as replay_figures
+    from dynabot_mj.figures import log as log_figure
     from dynabot_mj.figures.style import save
     from dynabot_mj.host import progress
     from dynabot_mj.sensing.logs import log as logs
@@ -52,4 +52,4 @@ def estimate(options: argparse.Namespace) -> None:
         with results.report(options, folder, "estimate", document, text) as stage:
             for name, track in found.tracks.items():
                 (stage / f"track_{name}.csv").write_text(experiment.track_csv(track), encoding="utf-8")
-            save(replay_figures.replay(found), stage / "estimate.png")
+            save(log_figure.replay(found), stage / "estimate.png")

@@ -38,7 +38,7 @@ def tune(options: argparse.Namespace) -> None:
     from dynabot_mj.figures.style import save
     from dynabot_mj.host import progress
 
-    request = experiment.Request(
+    request = experiment.TuningRequest(
         steering="heading" if options.steering == "heading" else "hand_point",
         start=options.start,
         against=options.against,

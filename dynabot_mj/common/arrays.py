@@ -10,6 +10,11 @@ BoolArray = npt.NDArray[np.bool_]
 Progress = Callable[[float], None]  # told the share of the work that is done
 
 
+def rms(values: Array, axis: int | tuple[int, ...] | None = None) -> Array:
+    """Returns the root mean square over some axes; None: over all."""
+    return np.sqrt((values**2).mean(axis=axis))
+
+
 def measured(value: Array, resolution: float) -> Array:
     """Returns what a converter of a resolution reads; 0: the value itself."""
     return resolution * np.round(value / resolution) if resolution > 0.0 else value

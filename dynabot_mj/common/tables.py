@@ -35,7 +35,7 @@ def aligned(header: Sequence[str], body: Sequence[Sequence[str]]) -> list[str]:
     return [line(header), "|" + "|".join("-" * (width + 2) for width in widths) + "|", *map(line, body)]
 
 
-def mean(value: Mean, scale: float = 1.0, digits: int = 1) -> str:
+def mean_and_sd(value: Mean, scale: float = 1.0, digits: int = 1) -> str:
     """Returns a mean, times a scale, as `mean ± sd`, or a dash."""
     if value.mean is None:
         return "-"

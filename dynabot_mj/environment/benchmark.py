@@ -26,7 +26,7 @@ _LARGEST = 20.0  # force on an axis [N], wheel speed [rad/s]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class StepRate:
     """One kind of environment."""
 
     estimator: EstimatorName
@@ -38,7 +38,7 @@ class Row:
     ratio: float
 
 
-def run(robots: int, repetitions: int, progress: Callable[[float], None] = lambda share: None) -> list[Row]:
+def run(robots: int, repetitions: int, progress: Callable[[float], None] = lambda share: None) -> list[StepRate]:
     """Measures all kinds of environments.
 
     Args:
@@ -59,14 +59,14 @@ def run(robots: int, repetitions: int, progress: Callable[[float], None] = lambd
     return rows
 
 
-def document(rows: list[Row], robots: int, repetitions: int) -> dict[str, Any]:
+def document(rows: list[StepRate], robots: int, repetitions: int) -> dict[str, Any]:
     """Returns the JSON document."""
     return {
         "environment": {"robots": robots, "repetitions": repetitions, "rows": [asdict(row) for row in rows]},
     }
 
 
-def markdown(rows: list[Row], robots: int, repetitions: int) -> str:
+def markdown(rows: list[StepRate], robots: int, repetitions: int) -> str:
     """Returns the report as a table."""
     body = [
         [
@@ -92,7 +92,7 @@ def markdown(rows: list[Row], robots: int, repetitions: int) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _row(robots: int, repetitions: int, estimator: EstimatorName, action: Action, observation: Observation) -> Row:
+def _row(robots: int, repetitions: int, estimator: EstimatorName, action: Action, observation: Observation) -> StepRate:
     env = task.load(robots, action, observation, estimator, 2.0 * _DURATION)
     period = env.control_timestep()
     steps, per_action = round(_DURATION / period), round(_CHANGE / period)
@@ -101,7 +101,7 @@ def _row(robots: int, repetitions: int, estimator: EstimatorName, action: Action
     actions = _LARGEST * generator.uniform(-1.0, 1.0, (steps // per_action + 1, *shape))
     spent = np.array([_times(env, actions, steps, per_action) for _ in range(repetitions + 1)])[1:]  # one warms up
     environment_us, loop_us = 1e6 * np.median(spent, axis=0) / steps
-    return Row(
+    return StepRate(
         estimator=estimator,
         period_ms=1e3 * period,
         action=action,

@@ -15,7 +15,7 @@ from dynabot_mj.common.legend import (
     PERCEPTION_NAMES,
     PLANT_NAMES,
 )
-from dynabot_mj.experiments.formation.case_rows import Row
+from dynabot_mj.experiments.formation.case_rows import CaseRow
 from dynabot_mj.experiments.formation.compare import Comparison
 from dynabot_mj.figures.style import STYLE
 from dynabot_mj.testbed import paper
@@ -36,7 +36,7 @@ def table_iii(comparison: Comparison) -> Figure:
     plant = min(row.plant for row in rows)  # particle comes first
     rows = [row for row in rows if row.plant == plant]
 
-    def shown(row: Row) -> list[_Bar]:
+    def shown(row: CaseRow) -> list[_Bar]:
         settling = row.settling_s
         spread = settling.sd or 0.0
         return [
@@ -65,7 +65,7 @@ def table_iii(comparison: Comparison) -> Figure:
 def outcomes(comparison: Comparison) -> Figure:
     """Draws what cases are compared by: arrival, time to formation, contact, and formations within a common metre."""
 
-    def shown(row: Row) -> list[_Bar]:
+    def shown(row: CaseRow) -> list[_Bar]:
         arrival, formation = row.arrival_s, row.time_to_formation_s
         spread = arrival.sd or 0.0
         return [
@@ -92,9 +92,9 @@ def outcomes(comparison: Comparison) -> Figure:
 
 
 def _bars(
-    rows: Sequence[Row],
+    rows: Sequence[CaseRow],
     titles: Sequence[str],
-    shown: Callable[[Row], list[_Bar]],
+    shown: Callable[[CaseRow], list[_Bar]],
     published: Callable[[str], list[_Bar]] | None,
     title: str,
 ) -> Figure:
@@ -136,13 +136,13 @@ def _bars(
     return figure
 
 
-def _drawn(row: Row, colour: str) -> dict[str, Any]:
+def _drawn(row: CaseRow, colour: str) -> dict[str, Any]:
     hatch = _PERCEPTION_HATCH[row.perception or ""]
     drawn = {"facecolor": colour, "alpha": _PLANT_ALPHA[row.plant], "hatch": hatch, "edgecolor": "white"}
     return drawn if hatch else {**drawn, "edgecolor": "none"}
 
 
-def _legend(rows: Sequence[Row], published: bool) -> list[Patch]:
+def _legend(rows: Sequence[CaseRow], published: bool) -> list[Patch]:
     perceptions = list(dict.fromkeys(row.perception for row in rows if row.perception))
     plants = dict.fromkeys(row.plant for row in rows)
     empty: dict[str, Any] = {"facecolor": "white", "edgecolor": "#444444"}

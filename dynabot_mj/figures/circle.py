@@ -14,7 +14,7 @@ from dynabot_mj.common.legend import METHOD_COLOURS
 from dynabot_mj.estimation.build import NAMES, Name
 from dynabot_mj.estimation.measurements import rotation, wrap
 from dynabot_mj.experiments.estimators import circle
-from dynabot_mj.experiments.estimators.circle import Chunk, Outcome
+from dynabot_mj.experiments.estimators.circle import Chunk, CircleOutcome
 from dynabot_mj.figures.style import STYLE
 
 _RUN = 0  # which of the example's is drawn
@@ -23,7 +23,7 @@ _TRIANGLE = Path(np.array([(1.0, 0.0), (-0.8, 0.6), (-0.8, -0.6), (1.0, 0.0)]), 
 _BETWEEN_TRIANGLES = 2.5  # [s]
 
 
-def paths(outcome: Outcome) -> Figure:
+def paths(outcome: CircleOutcome) -> Figure:
     """Draws Fig. 3: the first run's estimated and actual path, one panel for each estimator.
 
     Args:
@@ -52,7 +52,7 @@ def paths(outcome: Outcome) -> Figure:
     return figure
 
 
-def errors(outcome: Outcome) -> Figure:
+def errors(outcome: CircleOutcome) -> Figure:
     """Draws the first run's errors of position and heading over time, with three deviations of each filter's belief.
 
     Args:
@@ -78,7 +78,7 @@ def errors(outcome: Outcome) -> Figure:
     return figure
 
 
-def _draw_paths(axis: Axes, outcome: Outcome, name: Name) -> float:
+def _draw_paths(axis: Axes, outcome: CircleOutcome, name: Name) -> float:
     """Draws one estimator's panel and returns the largest distance from the best fit [m]."""
     chunk = outcome.example
     track, fitted = chunk.tracks[name], chunk.fits[name]
@@ -102,7 +102,7 @@ def _draw_paths(axis: Axes, outcome: Outcome, name: Name) -> float:
     for index in np.flatnonzero(known)[::every]:
         marker = MarkerStyle(_TRIANGLE, transform=Affine2D().rotate(bearing[index]))
         axis.plot(*estimate[:, index], marker=marker, markersize=10, color=colour, markeredgecolor="white")
-    axis.plot([], [], ">", color=colour, markersize=8, label="estimated bearing")
+    axis.plot([], [], ">", color=colour, markersize=8, label="estimated heading")
     farthest = float(chunk.scores[name].uncertainty[_RUN])
     if np.isfinite(farthest):
         index = int(fitted.distance[:, _RUN].argmax())
@@ -150,7 +150,7 @@ def _draw_error(axis: Axes, time: Array, wrong: Array, deviation: Array, colour:
     axis.axvspan(0.0, circle.DROPPED, color="#000000", alpha=0.07, linewidth=0.0, label="not judged")
 
 
-def _slimness(outcome: Outcome) -> float:
+def _slimness(outcome: CircleOutcome) -> float:
     """Returns height over width of what the panels show."""
     chunk = outcome.example
     places = [track.position_w[track.known[:, _RUN], _RUN] for track in chunk.tracks.values()]
@@ -158,6 +158,6 @@ def _slimness(outcome: Outcome) -> float:
     return float(np.clip(height / width, 0.3, 1.5))
 
 
-def _caption(outcome: Outcome) -> str:
+def _caption(outcome: CircleOutcome) -> str:
     asked = outcome.request
     return f"{asked.path}, {asked.plant} plant, T_s = {1e3 * asked.period:g} ms: first run of seed {asked.seed}"

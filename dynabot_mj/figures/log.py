@@ -19,12 +19,12 @@ from dynabot_mj.experiments.estimators import estimate
 from dynabot_mj.experiments.estimators.estimate import Replay
 from dynabot_mj.figures.style import STYLE
 from dynabot_mj.sensing.logs.log import Log
-from dynabot_mj.sensing.samples import Track
+from dynabot_mj.sensing.replay import Track
 
 _TRUTH, _FIX = "#222222", "#B0B0B0"
 _TRIANGLES = 16  # along a path
 _TRIANGLE = Path([(1.0, 0.0), (-0.7, 0.5), (-0.7, -0.5), (1.0, 0.0)], closed=True)  # slender: it has to point
-_BEARING: dict[str, Any] = {"markersize": 12.0, "markeredgecolor": "white", "markeredgewidth": 0.8}
+_POINTER: dict[str, Any] = {"markersize": 12.0, "markeredgecolor": "white", "markeredgewidth": 0.8}
 
 
 def replay(found: Replay) -> Figure:
@@ -80,8 +80,8 @@ def _draw_map(axis: Axes, log: Log, name: Name, track: Track) -> None:
     rows = rows[np.linspace(0, len(rows) - 1, min(_TRIANGLES, len(rows))).astype(int)]
     for row in rows:
         marker = MarkerStyle(_TRIANGLE, transform=Affine2D().rotate(track.heading[row, 0]))
-        axis.plot(x[row], y[row], marker=marker, **_BEARING, color=METHOD_COLOURS[name])
-    axis.plot([], [], marker=_TRIANGLE, **_BEARING, color="#777777", linewidth=1.3, label="estimate and its bearing")
+        axis.plot(x[row], y[row], marker=marker, **_POINTER, color=METHOD_COLOURS[name])
+    axis.plot([], [], marker=_TRIANGLE, **_POINTER, color="#777777", linewidth=1.3, label="estimate and its heading")
     axis.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
 
 

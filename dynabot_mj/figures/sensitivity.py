@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 from dynabot_mj.common.legend import METHOD_COLOURS, METHOD_NAMES
-from dynabot_mj.experiments.formation.case_rows import Row
+from dynabot_mj.experiments.formation.case_rows import CaseRow
 from dynabot_mj.experiments.formation.sensitivity import Sensitivity, value
 from dynabot_mj.figures.style import STYLE
 
@@ -51,7 +51,7 @@ def sensitivity(result: Sensitivity) -> Figure:
     return figure
 
 
-def _interval(row: Row, metric: str) -> tuple[float | None, float | None, float | None]:
+def _interval(row: CaseRow, metric: str) -> tuple[float | None, float | None, float | None]:
     """Returns the value of a measure and where it is from and to."""
     if metric == "arrival_s":
         mean, sd = row.arrival_s.mean, row.arrival_s.sd

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from dynabot_mj.common.legend import ROBOT_COLOURS
 from dynabot_mj.experiments.vehicle import manoeuvres
 from dynabot_mj.experiments.vehicle.parity import Parity
-from dynabot_mj.experiments.vehicle.track import Report
+from dynabot_mj.experiments.vehicle.track import TrackReport
 from dynabot_mj.experiments.vehicle.tracking import Tracking
 from dynabot_mj.experiments.vehicle.tune_traction import Result
 from dynabot_mj.figures.style import STYLE
@@ -80,7 +80,7 @@ def parity(found: Parity) -> Figure:
     return figure
 
 
-def tracking(report: Report) -> Figure:
+def tracking(report: TrackReport) -> Figure:
     """Draws one course of each kind, the formation's velocity error over time, and its RMS over friction.
 
     Args:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dynabot_mj.common.legend import ROBOT_COLOURS
-from dynabot_mj.experiments.vehicle.drive import SLIDES, SPUN_OUT, Report
+from dynabot_mj.experiments.vehicle.drive import SLIDES, SPUN_OUT, DriveReport
 from dynabot_mj.figures.style import STYLE
 
 PAPER_SPEED = 10.0  # top speed [m/s], Sec. II
@@ -17,7 +17,7 @@ _MARKERS = ("o", "s", "^", "D")
 _REFERENCE = "#777777"
 
 
-def acceptance_drive(report: Report) -> Figure:
+def acceptance_drive(report: DriveReport) -> Figure:
     """Draws what the drive measured, a manoeuvre in each panel.
 
     Args:
@@ -44,7 +44,7 @@ def acceptance_drive(report: Report) -> Figure:
     return figure
 
 
-def _draw_launch(axis: Axes, report: Report) -> None:
+def _draw_launch(axis: Axes, report: DriveReport) -> None:
     until = 2.0 * report.figures.time_to_95_percent_s
     axis.set_title("launch, and braking from 5 m/s")
     for trace, colour, label in (
@@ -58,7 +58,7 @@ def _draw_launch(axis: Axes, report: Report) -> None:
     axis.legend(loc="center right")
 
 
-def _draw_motor(axis: Axes, report: Report) -> None:
+def _draw_motor(axis: Axes, report: DriveReport) -> None:
     vehicle, trace = report.robot.vehicle, report.launch
     shown = trace.time <= 2.0 * report.figures.time_to_95_percent_s
     current = trace.torque[:, 0].mean(axis=-1) / vehicle.torque_constant
@@ -73,7 +73,7 @@ def _draw_motor(axis: Axes, report: Report) -> None:
     axis.set(xlabel="time [s]", ylabel="voltage [V], current [A]", xlim=(0.0, trace.time[shown][-1]), ylim=(0.0, None))
 
 
-def _draw_turns(axis: Axes, report: Report) -> None:
+def _draw_turns(axis: Axes, report: DriveReport) -> None:
     ratios = report.figures.turn_rate_over_theory
     axis.set_title("turn in place against Coulomb friction")
     axis.axhspan(0.95, 1.08, color=ROBOT_COLOURS[4], alpha=0.18, linewidth=0.0, label="accepted")
@@ -86,7 +86,7 @@ def _draw_turns(axis: Axes, report: Report) -> None:
     axis.legend(loc="lower right")
 
 
-def _draw_slopes(axis: Axes, report: Report) -> None:
+def _draw_slopes(axis: Axes, report: DriveReport) -> None:
     figures = report.figures
     axis.set_title("creep on slopes, wheels commanded 0")
     for index, (creep, label) in enumerate(
@@ -101,7 +101,7 @@ def _draw_slopes(axis: Axes, report: Report) -> None:
     axis.legend(loc="center right")
 
 
-def _draw_corners(path: Axes, slip: Axes, report: Report) -> None:
+def _draw_corners(path: Axes, slip: Axes, report: DriveReport) -> None:
     corners = report.figures.cornering
     path.set_title("corners without yaw feedback")
     slip.set_title("side slip in these corners")
@@ -121,7 +121,7 @@ def _draw_corners(path: Axes, slip: Axes, report: Report) -> None:
         axis.legend(fontsize=9, loc="upper right" if axis is path else "upper left")
 
 
-def _draw_energy(axis: Axes, report: Report) -> None:
+def _draw_energy(axis: Axes, report: DriveReport) -> None:
     axis.set_title("free slides, motors off")
     for index, (time, energy) in enumerate(report.energy):
         ahead, left, yaw_rate = SLIDES[index]
@@ -137,7 +137,7 @@ def _draw_energy(axis: Axes, report: Report) -> None:
     axis.legend(fontsize=9, loc="upper right")
 
 
-def _draw_collision(axis: Axes, report: Report) -> None:
+def _draw_collision(axis: Axes, report: DriveReport) -> None:
     axis.set_title("head-on at 3 + 3 m/s")
     length = report.robot.vehicle.length
     for index, trace in enumerate(report.collisions):

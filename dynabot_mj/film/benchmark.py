@@ -28,7 +28,7 @@ _DURATION = 60.0  # of the trial, from which pictures are taken evenly [s]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class DrawingRate:
     """One size of pictures."""
 
     width: int
@@ -40,7 +40,7 @@ class Row:
     encoded_per_second: float  # by the encoder alone
 
 
-def run(robots: int, pictures: int, progress: Progress = lambda share: None) -> list[Row]:
+def run(robots: int, pictures: int, progress: Progress = lambda share: None) -> list[DrawingRate]:
     """Measures both sizes.
 
     Args:
@@ -68,12 +68,12 @@ def run(robots: int, pictures: int, progress: Progress = lambda share: None) -> 
     return rows
 
 
-def document(rows: Sequence[Row], robots: int, pictures: int) -> dict[str, Any]:
+def document(rows: Sequence[DrawingRate], robots: int, pictures: int) -> dict[str, Any]:
     """Returns the JSON document."""
     return {"video": {"robots": robots, "pictures": pictures, "rows": [asdict(row) for row in rows]}}
 
 
-def markdown(rows: Sequence[Row], robots: int, pictures: int) -> str:
+def markdown(rows: Sequence[DrawingRate], robots: int, pictures: int) -> str:
     """Returns the report as a table."""
     sizes = [f"{row.width}x{row.height}" for row in rows]
     body = [
@@ -94,7 +94,7 @@ def markdown(rows: Sequence[Row], robots: int, pictures: int) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _row(what: take.Take, shot: Shot, chosen: Sequence[int], progress: Progress) -> Row:
+def _row(what: take.Take, shot: Shot, chosen: Sequence[int], progress: Progress) -> DrawingRate:
     every = frozenset(OVERLAYS)
     variants = [shot, *(replace(shot, overlays=every - {name}) for name in OVERLAYS)]
     variants.append(replace(shot, overlays=frozenset()))
@@ -108,7 +108,7 @@ def _row(what: take.Take, shot: Shot, chosen: Sequence[int], progress: Progress)
         smooth = _drawn(what, [replace(shot, samples=4)], chosen, lambda share: progress(0.7 + 0.3 * share))
     typical: Array = np.median(spent, axis=0)
     saved = np.median(spent[:, :1] - spent, axis=0)
-    return Row(
+    return DrawingRate(
         width=shot.width,
         height=shot.height,
         frames_per_second=float(1.0 / typical[0]),

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from dynabot_mj.common import legend
 from dynabot_mj.experiments.estimators import circle_report
-from dynabot_mj.experiments.estimators.circle import Outcome
+from dynabot_mj.experiments.estimators.circle import CircleOutcome
 from dynabot_mj.experiments.formation import compare, compare_tables, in_loop
 from dynabot_mj.experiments.formation.compare import Comparison
 from dynabot_mj.figures import autocorrelations, bars, distributions, one_trial, paths
@@ -31,18 +31,18 @@ class Material:
     recordings_note: str  # what has to be said of them; may be empty
     clip: bytes | None  # a film of one of them, mp4
     clip_note: str  # what it shows, or why there is none
-    circle: Outcome
+    circle: CircleOutcome
 
 
 @dataclass(frozen=True, kw_only=True)
-class Report:
+class Contents:
     """The page, and the CSV tables that it carries by file name."""
 
     html: str
     tables: Mapping[str, str]
 
 
-def build(material: Material) -> Report:
+def build(material: Material) -> Contents:
     """Tells a study."""
     study = material.study
     comparison = compare.compared(study)
@@ -67,7 +67,7 @@ def build(material: Material) -> Report:
         [section for section in sections if section is not None],
         f"<p>{escape(study.attrs['title'])}. This page needs nothing but itself.</p>",
     )
-    return Report(html=html, tables=tables)
+    return Contents(html=html, tables=tables)
 
 
 _INTRODUCTION = """Robots share one processor between estimation, control and radio, and gather around a leader. The
@@ -183,7 +183,7 @@ def _estimates(study: xr.Dataset, tables: Mapping[str, str]) -> Section | None:
     return Section(title="Errors in the loop", parts=parts)
 
 
-def _circle(outcome: Outcome, tables: Mapping[str, str]) -> Section:
+def _circle(outcome: CircleOutcome, tables: Mapping[str, str]) -> Section:
     caption = (
         "As in the paper's Fig. 3: what the estimators make of the same samples of one run, by the study's sensors "
         "without faults, and how far they are from the best-fit actual path at most."

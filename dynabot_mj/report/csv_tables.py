@@ -10,7 +10,7 @@ from typing import Any
 import xarray as xr
 
 from dynabot_mj.experiments.estimators import circle_report
-from dynabot_mj.experiments.estimators.circle import Outcome
+from dynabot_mj.experiments.estimators.circle import CircleOutcome
 from dynabot_mj.experiments.formation.compare import Comparison
 
 
@@ -24,7 +24,7 @@ def of_study(comparison: Comparison) -> dict[str, str]:
     }
 
 
-def of_circle(outcome: Outcome) -> dict[str, str]:
+def of_circle(outcome: CircleOutcome) -> dict[str, str]:
     """Returns the table of the tether experiment by file name."""
     return {"circle.csv": _text([asdict(one) for one in circle_report.rows(outcome)])}
 

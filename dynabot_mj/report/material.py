@@ -43,7 +43,7 @@ def gather(study: xr.Dataset, execution: Mapping[str, Any], changed: str, progre
     clip, clip_note = _clip(recordings, lambda share: progress(0.7 + 0.2 * share))
     # Faults are of robots that are not there, at times that belong to a formation.
     sensors = replace(setup.sensors, faults=())
-    asked = circle.Request(runs=_CIRCLE_RUNS, seed=setup.seed, sensors=sensors, filter=setup.filter)
+    asked = circle.CircleRequest(runs=_CIRCLE_RUNS, seed=setup.seed, sensors=sensors, filter=setup.filter)
     return Material(
         study=study,
         execution=execution,

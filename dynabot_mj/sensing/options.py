@@ -55,7 +55,7 @@ class ImuErrors:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class MagnetometerErrors:
-    """The magnetic bearing, calibrated once."""
+    """The magnetic heading, calibrated once."""
 
     noise: NotNegative = math.radians(2.0)  # white [rad]
     hard_iron: NotNegative = math.radians(6.0)  # largest error of the kind that comes once per turn [rad]

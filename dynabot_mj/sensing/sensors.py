@@ -7,7 +7,7 @@ Inertial   averages over the sampling period, as a unit's own filter gives them:
 Ground     tilts the robot: unevenness, which passes in tenths of a second, and a slope that stays. Both leak gravity
            into the accelerometer: 0.17 m/s^2 per degree. What a rigid body adds by pitching and rolling is part of its
            specific force already.
-Magnetic   bearing, drawn off by iron on the robot (once and twice per turn), by its motors, and by white noise.
+Magnetic   heading, drawn off by iron on the robot (once and twice per turn), by its motors, and by white noise.
 Wheels     speeds and motor currents, with the resolution of their converters.
 
 Errors of the inertial unit are drawn at the beginning of the period that they hold for, since local laws use its
@@ -83,7 +83,7 @@ class Sensors:
         self._switch_on(
             np.array([g.standard_normal((robots + 1, 22)) for g in generators(seed, trials, Purpose.SWITCH_ON)])
         )
-        self._force_error, self._gyro_error, self._bearing_error = (
+        self._force_error, self._gyro_error, self._magnetic_error = (
             np.zeros((*shape, 2)),
             np.zeros(shape),
             np.zeros(shape),
@@ -172,7 +172,7 @@ class Sensors:
             period=period,
             specific_force_b=faulty("accelerometer", force_b, state.time),
             yaw_rate=faulty("gyro", yaw_rate, state.time),
-            bearing=wrap(faulty("magnetometer", heading + distortion + self._bearing_error, state.time)),
+            magnetic_heading=wrap(faulty("magnetometer", heading + distortion + self._magnetic_error, state.time)),
         )
         # What a fault makes of this period's signals it makes of the next one's; where they are missing, laws and
         # filters go on with the last ones.
@@ -259,4 +259,4 @@ class Sensors:
         gyro = self._gyro_bias + self._gyro_drift + normal[..., 8] * (imu.yaw_rate_density / math.sqrt(time))
         self._force_error = np.where(due[..., None], force, self._force_error)
         self._gyro_error = np.where(due, gyro, self._gyro_error)
-        self._bearing_error = np.where(due, self._motors + magnetic.noise * normal[..., 9], self._bearing_error)
+        self._magnetic_error = np.where(due, self._motors + magnetic.noise * normal[..., 9], self._magnetic_error)

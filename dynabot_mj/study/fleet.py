@@ -8,6 +8,7 @@ from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.common.streams import Purpose, generators
 from dynabot_mj.controllers import gains, odometry
+from dynabot_mj.controllers.gains import Gains
 from dynabot_mj.controllers.steering import HandPoint, Heading
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.local_laws import LocalLaws
@@ -59,6 +60,18 @@ def mass(setup: Scenario) -> float:
     return scene.read_robot(conditions(setup)).vehicle.mass if setup.mass == "auto" else setup.mass
 
 
+def gain_set(name: str) -> Gains:
+    """Returns the gains of a name, or of a file.
+
+    Raises:
+        InputError: If there are none.
+    """
+    try:
+        return gains.load(name)
+    except (FileNotFoundError, ValueError) as error:
+        raise InputError(str(error)) from error
+
+
 def local_laws(setup: Scenario, *, real_sensors: bool = False) -> LocalLaws:
     """Returns the local laws of the rigid robots.
 
@@ -69,10 +82,7 @@ def local_laws(setup: Scenario, *, real_sensors: bool = False) -> LocalLaws:
     Raises:
         InputError: If there are no such gains.
     """
-    try:
-        found = gains.load(setup.vehicle.gains)
-    except (FileNotFoundError, ValueError) as error:
-        raise InputError(str(error)) from error
+    found = gain_set(setup.vehicle.gains)
     steering: HandPoint | Heading = found.hand_point if setup.vehicle.steering == "hand-point" else found.heading
     on_board = setup.vehicle.sensing == "on-board"
     if not real_sensors:

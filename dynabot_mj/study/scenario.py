@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.common.validation import STRICT, Positive
-from dynabot_mj.formation import laws as control_laws
+from dynabot_mj.formation import laws
 from dynabot_mj.formation.options import CompletionOptions, FieldOptions, StartOptions
 from dynabot_mj.perception.options import FilterOptions, FittedOptions, SurrogateOptions
 from dynabot_mj.plants.options import VehicleOptions
@@ -54,7 +54,7 @@ class Scenario:
     # odometry (wheels and accelerometer) and reference (of the steering law) exist on the rigid plant only.
     velocity: VelocityName = "auto"
     # Or a function of the user's, `my_module:my_law`, see `dynabot_mj.controllers.law`.
-    controller: str = control_laws.BUILT_IN
+    controller: str = laws.BUILT_IN
     mass: Positive | Literal["auto"] = "auto"  # of a particle [kg]; auto: that of the rigid robot with its payload
     collision_distance: Positive = 0.40  # between two centres, below which they have collided [m]; ours
     field: FieldOptions = FieldOptions()

@@ -109,7 +109,7 @@ def require_feasible(
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class ScheduleRow:
     """The period of one estimator of Table II."""
 
     estimator: str
@@ -119,7 +119,7 @@ class Row:
     load: float  # of the processor at the rounded period, Eq. 2
 
 
-def table(robots: int, utilisation_bound: float = 1.0) -> list[Row]:
+def table(robots: int, utilisation_bound: float = 1.0) -> list[ScheduleRow]:
     """Returns the shortest common periods of all estimators of Table II.
 
     Args:
@@ -135,7 +135,7 @@ def table(robots: int, utilisation_bound: float = 1.0) -> list[Row]:
         exact = period(robots, figures.estimation_time, utilisation_bound)
         kept = rounded(exact)
         rows.append(
-            Row(
+            ScheduleRow(
                 estimator=estimator,
                 # Behind the ninth digit there is floating-point noise.
                 t_se_ms=round(1e3 * figures.estimation_time, 9),

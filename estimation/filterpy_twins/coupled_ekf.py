@@ -44,12 +44,12 @@ class CoupledEkf:
         """Returns x, (10,), and P, (10, 10)."""
         return self._filter.x, self._filter.P
 
-    def begin(self, fix: GpsFix, bearing: Array) -> None:
-        """Starts with a first fix and bearing."""
+    def begin(self, fix: GpsFix, magnetic_heading: Array) -> None:
+        """Starts with a first fix and magnetic heading."""
         p = self._parameters
         self._filter.x = np.zeros(STATES)
         self._filter.P = np.diag([0.0] * 5 + [p.yaw_rate_bias**2] + [p.acceleration_bias**2] * 2 + [0.0] * 2)
-        self.believe_bearing(bearing)
+        self.believe_heading(magnetic_heading)
         self.believe_fix(fix)
 
     def predict(self, imu: ImuSample) -> None:
@@ -59,16 +59,16 @@ class CoupledEkf:
         self._filter.F, self._filter.Q = prediction.jacobian, prediction.noise
         self._filter.predict()
 
-    def see_bearing(self, bearing: Array) -> Update:
-        """Takes a bearing."""
+    def see_heading(self, magnetic_heading: Array) -> Update:
+        """Takes a magnetic heading."""
         p, heading = self._parameters, self._filter.x[HEADING]
         observation = np.zeros((1, STATES))
         observation[0, HEADING] = 1.0
         return judged(
             self._filter,
             kalman.threshold(p.gate, 1),
-            wrap(bearing - heading)[None],
-            bearing[None],
+            wrap(magnetic_heading - heading)[None],
+            magnetic_heading[None],
             lambda x: observation,
             lambda x: x[HEADING : HEADING + 1],
             R=np.array([[p.bearing_noise**2]]),
@@ -82,11 +82,11 @@ class CoupledEkf:
         gate, noise = kalman.threshold(self._parameters.gate, 4), self._fix_noise
         return (judged(self._filter, gate, z - reading, z, lambda x: observation, lambda x: reading, R=noise),)
 
-    def believe_bearing(self, bearing: Array) -> None:
-        """Sets the heading to a bearing; the velocity over ground stays."""
+    def believe_heading(self, magnetic_heading: Array) -> None:
+        """Sets the heading to a magnetic heading; the velocity over ground stays."""
         state = self._filter.x.copy()
-        state[VELOCITY] = turned(rotation(state[HEADING] - bearing), state[VELOCITY])
-        state[HEADING] = bearing
+        state[VELOCITY] = turned(rotation(state[HEADING] - magnetic_heading), state[VELOCITY])
+        state[HEADING] = magnetic_heading
         self._filter.x = state
         self._forget({HEADING: self._parameters.bearing_noise**2})
 

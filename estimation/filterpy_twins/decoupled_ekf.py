@@ -45,9 +45,9 @@ class DecoupledEkf:
             covariance[np.ix_(states, states)] = one.P
         return state, covariance
 
-    def begin(self, fix: GpsFix, bearing: Array) -> None:
-        """Starts with a first fix and bearing."""
-        self._heading.begin(bearing)
+    def begin(self, fix: GpsFix, magnetic_heading: Array) -> None:
+        """Starts with a first fix and magnetic heading."""
+        self._heading.begin(magnetic_heading)
         self._velocity.x = np.zeros(4)
         self._velocity.P = np.eye(4) * self._parameters.acceleration_bias**2
         self.believe_fix(fix)
@@ -74,9 +74,9 @@ class DecoupledEkf:
                 Q=np.diag([grown[axis], p.position_bias**2 * (1.0 - slow**2)]),
             )
 
-    def see_bearing(self, bearing: Array) -> Update:
-        """Takes a bearing."""
-        return self._heading.see_bearing(bearing)
+    def see_heading(self, magnetic_heading: Array) -> Update:
+        """Takes a magnetic heading."""
+        return self._heading.see_heading(magnetic_heading)
 
     def see_fix(self, fix: GpsFix, force_b: Array) -> tuple[Update, ...]:
         """Takes a fix: the velocity, then both components of the position."""
@@ -97,12 +97,12 @@ class DecoupledEkf:
                 part.x, part.P = state, covariance
         return swift, *(replace(one, accepted=inside) for one in both)
 
-    def believe_bearing(self, bearing: Array) -> None:
-        """Sets the heading to a bearing; the velocity over ground stays."""
-        turn = rotation(self._heading.filter.x[0] - bearing)
+    def believe_heading(self, magnetic_heading: Array) -> None:
+        """Sets the heading to a magnetic heading; the velocity over ground stays."""
+        turn = rotation(self._heading.filter.x[0] - magnetic_heading)
         state = self._velocity.x
         self._velocity.x = np.concatenate([turned(turn, state[:2]), state[2:]])
-        self._heading.believe(bearing)
+        self._heading.believe(magnetic_heading)
 
     def believe_fix(self, fix: GpsFix) -> None:
         """Sets position and velocity to a fix, and the position's slow error to zero."""

@@ -31,9 +31,9 @@ class GpsExtrapolation:
         """Tells whether all numbers are finite and all variances positive."""
         return sound(self._heading.filter) and bool(np.isfinite(self._motion).all())
 
-    def begin(self, fix: GpsFix, bearing: Array) -> None:
-        """Starts with a first fix and bearing."""
-        self._heading.begin(bearing)
+    def begin(self, fix: GpsFix, magnetic_heading: Array) -> None:
+        """Starts with a first fix and magnetic heading."""
+        self._heading.begin(magnetic_heading)
         self.believe_fix(fix)
 
     def predict(self, imu: ImuSample) -> None:
@@ -43,9 +43,9 @@ class GpsExtrapolation:
         self._motion = np.concatenate([position_w + imu.period * velocity_w, velocity_w])
         self._age = self._age + imu.period
 
-    def see_bearing(self, bearing: Array) -> Update:
-        """Takes a bearing."""
-        return self._heading.see_bearing(bearing)
+    def see_heading(self, magnetic_heading: Array) -> Update:
+        """Takes a magnetic heading."""
+        return self._heading.see_heading(magnetic_heading)
 
     def see_fix(self, fix: GpsFix, force_b: Array) -> tuple[Update, ...]:
         """Takes a fix as it is."""
@@ -64,9 +64,9 @@ class GpsExtrapolation:
             ),
         )
 
-    def believe_bearing(self, bearing: Array) -> None:
-        """Sets the heading to a bearing."""
-        self._heading.believe(bearing)
+    def believe_heading(self, magnetic_heading: Array) -> None:
+        """Sets the heading to a magnetic heading."""
+        self._heading.believe(magnetic_heading)
 
     def believe_fix(self, fix: GpsFix) -> None:
         """Sets position and velocity to a fix."""

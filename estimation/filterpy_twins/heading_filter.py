@@ -1,6 +1,6 @@
 """The twin of `dynabot_mj.estimation.heading_filter`: x = [phi, b_r].
 
-FilterPy subtracts angles without wrapping, so a bearing z is passed as phi + wrap(z - phi).
+FilterPy subtracts angles without wrapping, so a magnetic heading z is passed as phi + wrap(z - phi).
 """
 
 import numpy as np
@@ -22,16 +22,16 @@ class HeadingFilter:
         self.filter = linear(1.0, 0.0)
         self.begin(np.zeros(()))
 
-    def begin(self, bearing: Array) -> None:
-        """Starts with a bearing."""
+    def begin(self, magnetic_heading: Array) -> None:
+        """Starts with a magnetic heading."""
         p = self._parameters
-        self.filter.x = np.array([bearing, 0.0])
+        self.filter.x = np.array([magnetic_heading, 0.0])
         self.filter.P = np.diag([p.bearing_noise**2, p.yaw_rate_bias**2])
 
-    def believe(self, bearing: Array) -> None:
-        """Sets the heading to a bearing."""
+    def believe(self, magnetic_heading: Array) -> None:
+        """Sets the heading to a magnetic heading."""
         bias_variance = self.filter.P[1, 1]
-        self.filter.x = np.array([bearing, self.filter.x[1]])
+        self.filter.x = np.array([magnetic_heading, self.filter.x[1]])
         self.filter.P = np.diag([self._parameters.bearing_noise**2, bias_variance])
 
     def predict(self, imu: ImuSample) -> Array:
@@ -46,10 +46,10 @@ class HeadingFilter:
         )
         return yaw_rate
 
-    def see_bearing(self, bearing: Array) -> Update:
-        """Takes a bearing."""
+    def see_heading(self, magnetic_heading: Array) -> Update:
+        """Takes a magnetic heading."""
         p, heading = self._parameters, self.filter.x[0]
-        innovation = wrap(bearing - heading)
+        innovation = wrap(magnetic_heading - heading)
         noise = np.array([[p.bearing_noise**2]])
         gate = kalman.threshold(p.gate, 1)
         return judged(self.filter, gate, innovation[None], heading + innovation, R=noise)

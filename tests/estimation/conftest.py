@@ -19,7 +19,7 @@ def straight():
                 period=ones * (PERIOD if index else 0.0),
                 specific_force_b=np.zeros((robots, 2)),
                 yaw_rate=0.0 * ones,
-                bearing=course * ones,
+                magnetic_heading=course * ones,
             )
             fix = GpsFix(
                 received=ones * (index % FIX_EVERY) == 0,
@@ -45,7 +45,7 @@ def wild():
                 period=np.full(robots, PERIOD if index else 0.0),
                 specific_force_b=2.0 * rng.standard_normal((robots, 2)),
                 yaw_rate=1.0 + rng.standard_normal(robots),
-                bearing=rng.uniform(-0.2, 0.2, robots) + index * PERIOD,
+                magnetic_heading=rng.uniform(-0.2, 0.2, robots) + index * PERIOD,
             )
             fix = GpsFix(
                 received=np.full(robots, index % FIX_EVERY == 0),

@@ -35,7 +35,7 @@ def test_a_first_fix_knows_the_sum_of_position_and_slow_error(started):
 def test_believing_a_bearing_keeps_the_velocity_over_ground_and_the_other_robot(started):
     before = started.beliefs()
     covariance = started.covariance.copy()
-    started.believe_bearing(np.array([1]), np.array([1.0]))
+    started.believe_heading(np.array([1]), np.array([1.0]))
     after = started.beliefs()
     np.testing.assert_allclose(after["velocity_w"], before["velocity_w"], atol=1e-12)
     assert after["heading"][1] == 1.0

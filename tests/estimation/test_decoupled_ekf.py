@@ -41,7 +41,7 @@ def test_velocity_and_heading_move_by_the_model_of_all_ten_states(started):
         period=np.array([0.15]),
         specific_force_b=np.array([[2.0, -3.0]]),
         yaw_rate=np.array([1.5]),
-        bearing=np.zeros(1),
+        magnetic_heading=np.zeros(1),
     )
     state, _ = started.moments()
     whole = motion.predict(state, sample, DEFAULT)
@@ -58,7 +58,7 @@ def test_the_siblings_uncertainty_widens_the_position(started):
     started.heading.covariance[0] = 0.0
     started.velocity_covariance[0, :2, :2] = 0.04 * np.eye(2)
     sample = ImuSample(
-        period=np.array([0.1]), specific_force_b=np.zeros((1, 2)), yaw_rate=np.zeros(1), bearing=np.zeros(1)
+        period=np.array([0.1]), specific_force_b=np.zeros((1, 2)), yaw_rate=np.zeros(1), magnetic_heading=np.zeros(1)
     )
     started.predict(ALL, sample)
     grown = started.position_covariance[0, 0, 0, 0] - before

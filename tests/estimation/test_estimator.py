@@ -63,7 +63,7 @@ def poison(estimator, row):
 
 def test_it_starts_at_the_first_fix_with_a_bearing(name, straight):
     samples = changed(straight(14), 0, 4, received=False)
-    samples = changed(samples, 4, 8, bearing=np.nan)
+    samples = changed(samples, 4, 8, magnetic_heading=np.nan)
     samples = changed(samples, 8, 12, position_w=np.nan)
     estimates = run(build.build(name, (1,)), samples)
     assert [bool(one.known[0]) for one in estimates] == [False] * 12 + [True] * 2
@@ -81,7 +81,9 @@ def test_samples_without_errors_leave_no_error(name, straight):
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("channel", ["specific_force_b", "yaw_rate", "bearing", "position_w", "velocity_w", "age"])
+@pytest.mark.parametrize(
+    "channel", ["specific_force_b", "yaw_rate", "magnetic_heading", "position_w", "velocity_w", "age"]
+)
 def test_what_is_not_finite_never_reaches_a_state(name, straight, channel, value):
     samples = changed(straight(60), 21, 45, **{channel: value})
     estimates = run(build.build(name, (1,)), samples)
@@ -133,7 +135,7 @@ def test_gps_extrapolation_believes_every_jump(straight):
 
 
 def test_a_wrong_first_bearing_is_corrected_and_the_velocity_over_ground_goes_on(name, straight):
-    wrong = changed(straight(80), 0, 1, bearing=lambda bearing: wrap(bearing + np.radians(170.0)))
+    wrong = changed(straight(80), 0, 1, magnetic_heading=lambda bearing: wrap(bearing + np.radians(170.0)))
     estimates = run(build.build(name, (1,)), wrong)
     heading_errors = np.abs(wrap(np.array([one.heading[0] for one in estimates]) - 0.3))
     rejected = 1 + round(DEFAULT.bearing_patience / PERIOD)  # from sample 1 on
@@ -228,14 +230,14 @@ class Spy:
     def __init__(self):
         self.forces = []
 
-    def begin(self, rows, fix, bearing):
+    def begin(self, rows, fix, magnetic_heading):
         pass
 
     def predict(self, rows, imu):
         pass
 
-    def see_bearing(self, rows, bearing):
-        return self._update(bearing)
+    def see_heading(self, rows, magnetic_heading):
+        return self._update(magnetic_heading)
 
     def see_fix(self, rows, fix, force_b):
         self.forces.append(force_b)
@@ -297,7 +299,7 @@ def test_a_sample_of_a_robot_that_is_not_due_is_not_looked_at(straight):
         period=imu.period + nothing,
         specific_force_b=imu.specific_force_b + nothing[:, None],
         yaw_rate=imu.yaw_rate + nothing,
-        bearing=imu.bearing + nothing,
+        magnetic_heading=imu.magnetic_heading + nothing,
     )
     found = estimator.step(bad, fix, np.array([True, False]))
     assert np.isfinite(found.position_w).all()

@@ -6,7 +6,7 @@ import pytest
 
 from dynabot_mj.estimation import build
 from dynabot_mj.experiments.estimators import kinematic
-from dynabot_mj.sensing import samples as replay
+from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.faults import Fault
 from dynabot_mj.sensing.options import SensorOptions
 
@@ -33,10 +33,10 @@ def samples():
 
 
 def test_the_stream_has_what_twins_may_differ_in(samples):
-    bearing = samples.imu.bearing[:, 0]
+    bearing = samples.imu.magnetic_heading[:, 0]
     assert len(samples.time) > STEPS
     assert (np.abs(np.diff(bearing[np.isfinite(bearing)])) > 6.0).sum() >= 5  # wraps
-    for values in (samples.imu.bearing, samples.imu.yaw_rate, samples.imu.specific_force_b):
+    for values in (samples.imu.magnetic_heading, samples.imu.yaw_rate, samples.imu.specific_force_b):
         assert np.isnan(values).any()
     for values in (samples.fix.position_w, samples.fix.velocity_w):
         assert np.isnan(values[samples.fix.received]).any()
@@ -91,7 +91,7 @@ def test_missing_bearings_leave_no_trace(name, straight):
     for imu, fix in straight(10):
         estimator.step(imu, fix, np.ones(1, dtype=bool))
     before = estimator.filter.beliefs()
-    update = estimator.filter.see_bearing(slice(None), np.array([np.nan]))
+    update = estimator.filter.see_heading(slice(None), np.array([np.nan]))
     assert not update.accepted[0]
     assert np.isnan(update.squared[0])
     for key, value in estimator.filter.beliefs().items():

@@ -19,7 +19,10 @@ def fix(position_w=(1.0, 2.0), velocity_w=(3.0, -1.0), age=0.15):
 
 def sample(period):
     return ImuSample(
-        period=np.array([period]), specific_force_b=np.full((1, 2), 9.0), yaw_rate=np.zeros(1), bearing=np.zeros(1)
+        period=np.array([period]),
+        specific_force_b=np.full((1, 2), 9.0),
+        yaw_rate=np.zeros(1),
+        magnetic_heading=np.zeros(1),
     )
 
 

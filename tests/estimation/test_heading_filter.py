@@ -13,7 +13,7 @@ def sample(period, yaw_rate):
         period=np.array([period]),
         specific_force_b=np.zeros((1, 2)),
         yaw_rate=np.array([yaw_rate]),
-        bearing=np.array([np.nan]),
+        magnetic_heading=np.array([np.nan]),
     )
 
 
@@ -24,7 +24,7 @@ def test_heading_goes_round_and_round(turning):
     found.begin(ALL, np.array([start]))
     for index in range(1, 400):
         found.predict(ALL, sample(period, turning))
-        update = found.see_bearing(ALL, np.array([wrap(start + turning * index * period)]))
+        update = found.see_heading(ALL, np.array([wrap(start + turning * index * period)]))
         assert update.accepted[0]
     assert found.state[0, 0] == pytest.approx(start + turning * 399 * period, abs=1e-9)
 
@@ -34,7 +34,7 @@ def test_bias_of_the_gyro_is_learnt():
     found.begin(ALL, np.zeros(1))
     for _ in range(8000):
         found.predict(ALL, sample(0.05, bias))
-        found.see_bearing(ALL, np.zeros(1))
+        found.see_heading(ALL, np.zeros(1))
     assert found.state[0, 1] == pytest.approx(bias, rel=0.02)
     assert found.state[0, 0] == pytest.approx(0.0, abs=1e-3)
 

@@ -26,7 +26,10 @@ imus = st.builds(
 
 def imu(period, force_b=(0.0, 0.0), yaw_rate=0.0):
     return ImuSample(
-        period=np.array(period), specific_force_b=np.array(force_b), yaw_rate=np.array(yaw_rate), bearing=np.array(0.0)
+        period=np.array(period),
+        specific_force_b=np.array(force_b),
+        yaw_rate=np.array(yaw_rate),
+        magnetic_heading=np.array(0.0),
     )
 
 
@@ -134,7 +137,7 @@ def test_leading_axes_are_independent():
         period=rng.uniform(0.0, 0.2, (2, 3)),
         specific_force_b=rng.standard_normal((2, 3, 2)),
         yaw_rate=rng.standard_normal((2, 3)),
-        bearing=np.zeros((2, 3)),
+        magnetic_heading=np.zeros((2, 3)),
     )
     together = motion.predict(state, sample, DEFAULT)
     one = imu(sample.period[1, 2], sample.specific_force_b[1, 2], sample.yaw_rate[1, 2])

@@ -20,7 +20,7 @@ from dynabot_mj.estimation.estimator import Estimator, Filter
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 from dynabot_mj.experiments.estimators.operations import Counted, Tally, inverse
-from dynabot_mj.testbed import paper as testbed
+from dynabot_mj.testbed import paper
 
 ROBOTS, REPETITIONS = 300, 40
 _STEPS = 10  # timed at once
@@ -106,7 +106,7 @@ def operations(name: build.Name) -> tuple[int, int]:
         age=counted(fix.age),
     )
     robot = _TWINS[name](DEFAULT)
-    robot.begin(fix, imu.bearing)
+    robot.begin(fix, imu.magnetic_heading)
     for one in robot.filters:
         one.x, one.P = counted(one.x), counted(one.P)
     counts = []
@@ -164,7 +164,7 @@ def markdown(report: FilterReport) -> str:
     ]
     times = [report.coupled_over_gps(key) for key in ("filterpy_fix_us", "operations_fix", "t_se_ms")]
     offset, slope, predicted = _fit(report)
-    paper = 1e3 * testbed.TABLE_II["gps"].estimation_time
+    t_se_ms = 1e3 * paper.TABLE_II["gps"].estimation_time
     lines = [
         f"# Cost of the estimators, {report.robots} robots in a batch",
         "",
@@ -178,7 +178,7 @@ def markdown(report: FilterReport) -> str:
         f"Python time cannot stand in for t_se: with a fix, coupled EKF over gps is {times[0]:.1f} in time of",
         f"FilterPy, where calls hide the arithmetic, {times[1]:.0f} in operations and {times[2]:.0f} in the paper.",
         f"t_se stays a parameter of the platform. {offset:.1f} ms + {slope:.1f} us per operation has both EKFs' t_se,",
-        f"and gives gps {predicted:.1f} ms (paper {paper:.1f}).",
+        f"and gives gps {predicted:.1f} ms (paper {t_se_ms:.1f}).",
     ]
     if report.omp_num_threads != "1":
         state = "is not set" if report.omp_num_threads is None else f"is {report.omp_num_threads}"
@@ -190,12 +190,12 @@ def _row(name: build.Name, robots: int, repetitions: int) -> FilterRow:
     imu, fix, everybody = _imu((robots,)), _fix((robots,)), np.ones(robots, dtype=bool)
     none = GpsFix(received=~everybody, position_w=fix.position_w, velocity_w=fix.velocity_w, age=fix.age)
     batched = build.build(name, (robots,)).filter
-    batched.begin(_ALL, fix, imu.bearing)
+    batched.begin(_ALL, fix, imu.magnetic_heading)
     estimator: Estimator = build.build(name, (robots,))
     estimator.step(imu, fix, everybody)
     twin = _TWINS[name](DEFAULT)
     one_imu, one_fix = _imu(()), _fix(())
-    twin.begin(one_fix, one_imu.bearing)
+    twin.begin(one_fix, one_imu.magnetic_heading)
 
     def batched_fix() -> None:
         _step(batched, imu)
@@ -230,7 +230,7 @@ def _row(name: build.Name, robots: int, repetitions: int) -> FilterRow:
         ratio_fix=float(ratio[1]),
         operations=counts[0],
         operations_fix=counts[1],
-        t_se_ms=1e3 * testbed.TABLE_II[name].estimation_time,
+        t_se_ms=1e3 * paper.TABLE_II[name].estimation_time,
     )
 
 
@@ -244,12 +244,12 @@ def _time(task: Callable[[], Any]) -> float:
 
 def _step(filter_: Filter, imu: ImuSample) -> None:
     filter_.predict(_ALL, imu)
-    filter_.see_bearing(_ALL, imu.bearing)
+    filter_.see_heading(_ALL, imu.magnetic_heading)
 
 
 def _single_step(robot: Any, imu: ImuSample) -> None:
     robot.predict(imu)
-    robot.see_bearing(imu.bearing)
+    robot.see_heading(imu.magnetic_heading)
 
 
 def _imu(shape: tuple[int, ...]) -> ImuSample:
@@ -257,7 +257,7 @@ def _imu(shape: tuple[int, ...]) -> ImuSample:
         period=np.full(shape, _PERIOD),
         specific_force_b=np.zeros((*shape, 2)),
         yaw_rate=np.zeros(shape),
-        bearing=np.full(shape, 0.3),
+        magnetic_heading=np.full(shape, 0.3),
     )
 
 

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynabot_mj.common.arrays import Array
 from dynabot_mj.experiments.estimators import kinematic
-from dynabot_mj.sensing import samples as replay
+from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.ground_truth import GroundTruth
 from dynabot_mj.sensing.options import SensorOptions
 
@@ -35,8 +34,3 @@ def drive(options: SensorOptions, runs: int, seed: int, duration: float) -> Driv
     fine = kinematic.follow("circle", runs, seed, duration, PERIOD / _LOOKS)
     samples = replay.record(fine, options, PERIOD, seed)
     return Drives(truth=fine.thinned(_LOOKS), samples=samples)
-
-
-def rms(values: Array) -> float:
-    """Returns the root mean square of all values."""
-    return float(np.sqrt((values**2).mean()))

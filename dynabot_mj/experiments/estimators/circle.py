@@ -25,14 +25,14 @@ from dynabot_mj.experiments.estimators import kinematic, tether
 from dynabot_mj.experiments.estimators import scores as estimation_scores
 from dynabot_mj.experiments.estimators.best_fit import BestFit
 from dynabot_mj.experiments.estimators.kinematic import PathName
-from dynabot_mj.experiments.estimators.scores import Consistency, Scores
+from dynabot_mj.experiments.estimators.scores import Consistency, EstimationScores
 from dynabot_mj.perception import options as perception_options
 from dynabot_mj.perception.options import FilterParameters
 from dynabot_mj.sensing import options as sensing_options
-from dynabot_mj.sensing import samples as replay
+from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.ground_truth import GroundTruth
 from dynabot_mj.sensing.options import SensorOptions
-from dynabot_mj.sensing.samples import Samples, Track
+from dynabot_mj.sensing.replay import Samples, Track
 from dynabot_mj.study import configuration
 
 PlantName = Literal["kinematic", "rigid"]
@@ -45,7 +45,7 @@ _DRIVING: dict[PlantName, float] = {"kinematic": 0.0, "rigid": 0.8}  # its share
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class Request:
+class CircleRequest:
     """What is asked for."""
 
     runs: Annotated[int, Field(ge=1)] = 200
@@ -68,26 +68,26 @@ class Chunk:
     samples: Samples  # (N, R, ...)
     tracks: dict[build.Name, Track]
     fits: dict[build.Name, BestFit]  # from the first sample that counts
-    scores: dict[build.Name, Scores]
+    scores: dict[build.Name, EstimationScores]
 
 
 @plain_dataclass(frozen=True, kw_only=True)
-class Outcome:
+class CircleOutcome:
     """What was found."""
 
-    request: Request
-    scores: dict[build.Name, Scores]  # of all runs
+    request: CircleRequest
+    scores: dict[build.Name, EstimationScores]  # of all runs
     restarts: dict[build.Name, int]  # of the estimators' filters, in all runs
     example: Chunk  # that of the first run
 
 
-def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> Request:
+def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> CircleRequest:
     """Builds a request from a tree of plain values, e.g. of a TOML file, and overriding options.
 
     Args:
-        tree: Keys of `Request`.
+        tree: Keys of `CircleRequest`.
         origin: Where it comes from, for the messages.
-        **options: Keys of `Request`; None where not given.
+        **options: Keys of `CircleRequest`; None where not given.
 
     Raises:
         InputError: If a key or a value is not allowed, or values do not fit together.
@@ -95,7 +95,7 @@ def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) ->
     merged = {**tree, **{key: value for key, value in options.items() if value is not None}}
     try:
         # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
-        found = TypeAdapter(Request).validate_json(json.dumps(merged, default=str))
+        found = TypeAdapter(CircleRequest).validate_json(json.dumps(merged, default=str))
     except ValidationError as error:
         typed = {key: f"--{key}" for key, value in options.items() if value is not None}
         told = one_line(error, typed=typed, units=UNITS)
@@ -112,12 +112,12 @@ def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) ->
     return found
 
 
-def dump(asked: Request) -> str:
+def dump(asked: CircleRequest) -> str:
     """Returns a request as TOML; `request` gives the same one back."""
     return configuration.toml(asked)
 
 
-def run(asked: Request, progress: Progress = lambda share: None) -> Outcome:
+def run(asked: CircleRequest, progress: Progress = lambda share: None) -> CircleOutcome:
     """Runs the experiment.
 
     Args:
@@ -125,7 +125,7 @@ def run(asked: Request, progress: Progress = lambda share: None) -> Outcome:
         progress: Told the share of the work that is done.
     """
     example: Chunk | None = None
-    scores: dict[build.Name, list[Scores]] = {name: [] for name in build.NAMES}
+    scores: dict[build.Name, list[EstimationScores]] = {name: [] for name in build.NAMES}
     restarts = dict.fromkeys(build.NAMES, 0)
     for begin in range(0, asked.runs, CHUNK):
         count = min(CHUNK, asked.runs - begin)
@@ -139,7 +139,7 @@ def run(asked: Request, progress: Progress = lambda share: None) -> Outcome:
             scores[name].append(chunk.scores[name])
             restarts[name] += int(chunk.tracks[name].restarts.sum())
     assert example is not None  # there is a run
-    return Outcome(
+    return CircleOutcome(
         request=asked,
         scores={name: _joined(parts) for name, parts in scores.items()},
         restarts=restarts,
@@ -147,7 +147,7 @@ def run(asked: Request, progress: Progress = lambda share: None) -> Outcome:
     )
 
 
-def follow(asked: Request, begin: int, count: int, progress: Progress = lambda share: None) -> Chunk:
+def follow(asked: CircleRequest, begin: int, count: int, progress: Progress = lambda share: None) -> Chunk:
     """Drives some runs, records their sensors and follows the record with every estimator.
 
     Args:
@@ -164,7 +164,7 @@ def follow(asked: Request, begin: int, count: int, progress: Progress = lambda s
     first = int(np.searchsorted(truth.time, DROPPED - 1e-9))
     tracks: dict[build.Name, Track] = {}
     fits: dict[build.Name, BestFit] = {}
-    scores: dict[build.Name, Scores] = {}
+    scores: dict[build.Name, EstimationScores] = {}
     for index, name in enumerate(build.NAMES):
         estimator = build.build(name, (count,), asked.filter)
         consistency = Consistency(estimator, state, first)
@@ -174,7 +174,7 @@ def follow(asked: Request, begin: int, count: int, progress: Progress = lambda s
     return Chunk(first=first, truth=truth, samples=samples, tracks=tracks, fits=fits, scores=scores)
 
 
-def _drive(asked: Request, begin: int, count: int, progress: Progress) -> GroundTruth:
+def _drive(asked: CircleRequest, begin: int, count: int, progress: Progress) -> GroundTruth:
     """Returns what the vehicles really do, on a grid that divides the sampling period."""
     match asked.plant:
         case "rigid":
@@ -185,5 +185,7 @@ def _drive(asked: Request, begin: int, count: int, progress: Progress) -> Ground
             return kinematic.follow(asked.path, count, asked.seed, asked.duration, interval, begin)
 
 
-def _joined(parts: list[Scores]) -> Scores:
-    return Scores(**{one.name: np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(Scores)})
+def _joined(parts: list[EstimationScores]) -> EstimationScores:
+    return EstimationScores(
+        **{one.name: np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(EstimationScores)}
+    )

@@ -10,12 +10,12 @@ from dynabot_mj.common.intervals import Mean, Rate
 from dynabot_mj.common.tables import Table
 from dynabot_mj.estimation.build import NAMES, Name
 from dynabot_mj.experiments.estimators import circle
-from dynabot_mj.experiments.estimators.circle import Outcome
+from dynabot_mj.experiments.estimators.circle import CircleOutcome
 from dynabot_mj.testbed import paper
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class CircleRow:
     """One estimator: means over the runs in which it knew throughout where it was."""
 
     estimator: Name
@@ -30,19 +30,19 @@ class Row:
     paper_m: float | None  # None: the paper has no such path
 
 
-def rows(outcome: Outcome) -> list[Row]:
+def rows(outcome: CircleOutcome) -> list[CircleRow]:
     """Returns one row for each estimator."""
     return [_row(outcome, name) for name in NAMES]
 
 
-def ordered(outcome: Outcome) -> Rate:
+def ordered(outcome: CircleOutcome) -> Rate:
     """Returns the share of the runs in which the uncertainty is gps > decoupled > coupled, where all have one."""
     gps, decoupled, coupled = (outcome.scores[name].uncertainty for name in NAMES)
     so = ((gps > decoupled) & (decoupled > coupled)).astype(np.float64)
     return intervals.rate(np.where(np.isfinite(gps + decoupled + coupled), so, np.nan))
 
 
-def document(outcome: Outcome) -> dict[str, Any]:
+def document(outcome: CircleOutcome) -> dict[str, Any]:
     """Returns the JSON document."""
     asked = outcome.request
     return {
@@ -57,12 +57,12 @@ def document(outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def markdown(outcome: Outcome) -> str:
+def markdown(outcome: CircleOutcome) -> str:
     """Returns the outcome as a readable table."""
     return table(outcome).markdown(level=1) + "\n"
 
 
-def table(outcome: Outcome) -> Table:
+def table(outcome: CircleOutcome) -> Table:
     """Returns the outcome as a table beside the paper's."""
     asked = outcome.request
     header = ["estimator", "uncertainty [m]", "paper [m]", "true error [m]", "RMS [m]", "RMS, mean removed [m]"]
@@ -97,9 +97,9 @@ True error: largest distance of an estimate from where the robot was. RMS is per
 consistent filter are 10 and 4."""
 
 
-def _row(outcome: Outcome, name: Name) -> Row:
+def _row(outcome: CircleOutcome, name: Name) -> CircleRow:
     scores = outcome.scores[name]
-    return Row(
+    return CircleRow(
         estimator=name,
         uncertainty_m=intervals.mean(scores.uncertainty),
         true_error_m=intervals.mean(scores.true_error),

@@ -10,7 +10,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from dynabot_mj.common.arrays import Array
+from dynabot_mj.common.arrays import Array, rms
 from dynabot_mj.estimation import motion
 from dynabot_mj.estimation.coupled_ekf import CoupledEkf
 from dynabot_mj.estimation.decoupled_ekf import GROUPS, DecoupledEkf
@@ -20,7 +20,7 @@ from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 from dynabot_mj.experiments.estimators import checks, consistency_bounds, scores
 from dynabot_mj.experiments.estimators.checks import Drives
 from dynabot_mj.experiments.estimators.consistency_bounds import Kind, Squares, Whiteness
-from dynabot_mj.sensing import samples
+from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.options import GpsErrors, SensorOptions, matched
 
 EkfName = Literal["coupled", "decoupled"]
@@ -60,7 +60,7 @@ class Case:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Outcome:
+class ConsistencyOutcome:
     """What was found."""
 
     seed: int
@@ -79,7 +79,7 @@ def sensors() -> dict[str, tuple[SensorOptions, Parameters]]:
     }
 
 
-def run(seed: int, runs: int = 64) -> Outcome:
+def run(seed: int, runs: int = 64) -> ConsistencyOutcome:
     """Examines both filters with all sets of sensors.
 
     Args:
@@ -90,7 +90,7 @@ def run(seed: int, runs: int = 64) -> Outcome:
     for name, (options, parameters) in sensors().items():
         drives = checks.drive(options, runs, seed, DURATION)
         cases += [examine(name, estimator, drives, parameters) for estimator in EKFS]
-    return Outcome(seed=seed, runs=runs, cases=tuple(cases))
+    return ConsistencyOutcome(seed=seed, runs=runs, cases=tuple(cases))
 
 
 def examine(of: str, name: EkfName, drives: Drives, parameters: Parameters) -> Case:
@@ -113,8 +113,8 @@ def examine(of: str, name: EkfName, drives: Drives, parameters: Parameters) -> C
         estimator=name,
         squares=tuple(judged),
         whiteness=tuple(consistency_bounds.whiteness(one, innovation) for one, innovation in innovations.items()),
-        position_m=checks.rms(error[..., motion.POSITION]),
-        heading_deg=math.degrees(checks.rms(error[..., motion.HEADING])),
+        position_m=float(rms(error[..., motion.POSITION])),
+        heading_deg=math.degrees(rms(error[..., motion.HEADING])),
     )
 
 
@@ -139,10 +139,10 @@ def _watched(
         for part, states in PARTS.items():
             chosen = [motion.NAMES.index(one) for one in states]
             squares[part].append(scores.nees(error[:, chosen], covariance[:, chosen][:, :, chosen]))
-        assert estimator.bearing_update is not None
-        updates["bearing"].append(estimator.bearing_update[1])
+        assert estimator.heading_update is not None
+        updates["bearing"].append(estimator.heading_update[1])
         for one, update in zip(_FIXES[name], estimator.fix_updates[1], strict=False):
             updates[one].append(update)
 
-    samples.follow(drives.samples, estimator, collect)
+    replay.follow(drives.samples, estimator, collect)
     return np.array(errors), squares, updates

@@ -4,11 +4,11 @@ from dataclasses import asdict
 from typing import Any
 
 from dynabot_mj.common import tables
-from dynabot_mj.experiments.estimators.consistency import DURATION, SETTLED, Outcome
+from dynabot_mj.experiments.estimators.consistency import DURATION, SETTLED, ConsistencyOutcome
 from dynabot_mj.experiments.estimators.consistency_bounds import CONFIDENCE, LAGS
 
 
-def document(outcome: Outcome) -> dict[str, Any]:
+def document(outcome: ConsistencyOutcome) -> dict[str, Any]:
     """Returns the JSON document."""
     labels = [{"sensors": case.sensors, "estimator": case.estimator} for case in outcome.cases]
     labelled = list(zip(labels, outcome.cases, strict=True))
@@ -39,7 +39,7 @@ def document(outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def markdown(outcome: Outcome) -> str:
+def markdown(outcome: ConsistencyOutcome) -> str:
     """Returns the tables."""
     squares, whiteness, summary = [], [], []
     for case in outcome.cases:

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynabot_mj.common.arrays import Array
+from dynabot_mj.common.arrays import Array, rms
 from dynabot_mj.estimation import build
 from dynabot_mj.estimation.measurements import wrap
-from dynabot_mj.experiments.estimators.checks import rms
 from dynabot_mj.experiments.estimators.troubles import BEGIN
 from dynabot_mj.sensing.ground_truth import GroundTruth
 
@@ -49,10 +48,10 @@ def crossing(name: build.Name, truth: GroundTruth, position: Array, heading: Arr
     return Crossing(
         estimator=name,
         crossings=int(((around[:-1] < 0.0) & (around[1:] >= 0.0)).sum()),
-        near_heading_deg=rms(heading[near]),
-        far_heading_deg=rms(heading[~near]),
+        near_heading_deg=float(rms(heading[near])),
+        far_heading_deg=float(rms(heading[~near])),
         near_largest_heading_deg=float(heading[near].max()),
         far_largest_heading_deg=float(heading[~near].max()),
-        near_position_m=rms(position[near]) / math.sqrt(2.0),
-        far_position_m=rms(position[~near]) / math.sqrt(2.0),
+        near_position_m=float(rms(position[near])) / math.sqrt(2.0),
+        far_position_m=float(rms(position[~near])) / math.sqrt(2.0),
     )

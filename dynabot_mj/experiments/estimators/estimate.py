@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from dynabot_mj.common import tables
-from dynabot_mj.common.arrays import Array, BoolArray, Progress
+from dynabot_mj.common.arrays import Array, BoolArray, Progress, rms
 from dynabot_mj.estimation import build
 from dynabot_mj.estimation.build import Implementation, Name
 from dynabot_mj.estimation.measurements import STALE, wrap
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
-from dynabot_mj.sensing import samples as replay
+from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.logs.log import Log
-from dynabot_mj.sensing.samples import Track
+from dynabot_mj.sensing.replay import Track
 
 # Of a track's CSV file; the sigmas of the velocity are along body axes, ahead and to the left.
 TRACK_COLUMNS = (
@@ -24,7 +24,7 @@ TRACK_COLUMNS = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class EstimateRow:
     """One estimator on the log; None: not known."""
 
     estimator: str
@@ -56,7 +56,7 @@ class Replay:
     parameters: Parameters
     log: Log
     tracks: dict[Name, Track]  # arrays (N, 1, ...)
-    rows: tuple[Row, ...]
+    rows: tuple[EstimateRow, ...]
 
 
 def run(
@@ -176,13 +176,13 @@ def position_sigma(track: Track) -> Array:
     return np.sqrt(np.diagonal(track.position_covariance[:, 0], axis1=1, axis2=2))
 
 
-def _row(estimator: Name, log: Log, track: Track) -> Row:
+def _row(estimator: Name, log: Log, track: Track) -> EstimateRow:
     wrong = errors(log, track)
     distance = np.linalg.norm(wrong.position_w, axis=-1)
     distance, turned = (values[np.isfinite(values)] for values in (distance, wrong.heading))
     known = track.known[:, 0]
     x, y = track.position_w[-1, 0].tolist()
-    return Row(
+    return EstimateRow(
         estimator=estimator,
         samples=len(log.time),
         fixes=int(np.isfinite(log.fix_time).sum()),
@@ -210,7 +210,7 @@ def _stale_share(log: Log, track: Track) -> float:
 
 
 def _rms(values: Array) -> float | None:
-    return float(np.sqrt((values**2).mean())) if values.size else None
+    return float(rms(values)) if values.size else None
 
 
 def _number(value: float | None, digits: int) -> str:

@@ -22,10 +22,10 @@ from dynabot_mj.estimation.measurements import GpsFix, ImuSample, wrap
 from dynabot_mj.experiments.estimators import checks, troubles
 from dynabot_mj.experiments.estimators.crossings import Crossing, crossing
 from dynabot_mj.experiments.estimators.troubles import BEGIN, LONGEST, Trouble
-from dynabot_mj.sensing import samples as replay
+from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.ground_truth import GroundTruth
 from dynabot_mj.sensing.options import SensorOptions
-from dynabot_mj.sensing.samples import Samples
+from dynabot_mj.sensing.replay import Samples
 
 WITHIN = 10.0  # after the end of a fault, in which estimators should be back [s]
 BAND = 0.99  # share of the unfaulted errors that are within the band
@@ -54,7 +54,7 @@ class Cost:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Outcome:
+class FaultsOutcome:
     """What was found."""
 
     seed: int
@@ -78,7 +78,7 @@ class _Errors:
 
 def run(
     seed: int, runs: int = 40, chosen: Sequence[Trouble] | None = None, progress: Progress = lambda share: None
-) -> Outcome:
+) -> FaultsOutcome:
     """Lets everything go wrong.
 
     Args:
@@ -100,7 +100,7 @@ def run(
         costs += [_cost(one, name, samples.time, part, parts[0]) for one, part in zip(chosen, parts[1:], strict=True)]
         crossings.append(crossing(name, unfaulted.truth, parts[0].position, parts[0].heading))
     ordered = sorted(costs, key=lambda one: [trouble.name for trouble in chosen].index(one.fault))
-    return Outcome(seed=seed, runs=runs, costs=tuple(ordered), crossings=tuple(crossings))
+    return FaultsOutcome(seed=seed, runs=runs, costs=tuple(ordered), crossings=tuple(crossings))
 
 
 def recovery(error: Array, unfaulted: Array, band: float, time: Array, end: float) -> float | None:
@@ -137,7 +137,7 @@ def _side_by_side(several: Sequence[Samples]) -> Samples:
 
 def _errors(name: build.Name, samples: Samples, truth: GroundTruth) -> _Errors:
     """Runs an estimator over records of the same paths, one record beside the other."""
-    count = samples.imu.bearing.shape[1]
+    count = samples.imu.magnetic_heading.shape[1]
     track = replay.follow(samples, build.build(name, (count,)))
     again = (1, count // truth.runs)
     away_w = track.position_w - np.tile(truth.position_w, (*again, 1))

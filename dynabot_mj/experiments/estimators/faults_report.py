@@ -6,10 +6,10 @@ from typing import Any
 
 from dynabot_mj.common import tables
 from dynabot_mj.experiments.estimators.crossings import NEAR, Crossing
-from dynabot_mj.experiments.estimators.faults import BAND, RETURNED, WITHIN, Cost, Outcome
+from dynabot_mj.experiments.estimators.faults import BAND, RETURNED, WITHIN, Cost, FaultsOutcome
 
 
-def document(outcome: Outcome) -> dict[str, Any]:
+def document(outcome: FaultsOutcome) -> dict[str, Any]:
     """Returns the JSON document."""
     return {
         "seed": outcome.seed,
@@ -19,7 +19,7 @@ def document(outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def markdown(outcome: Outcome) -> str:
+def markdown(outcome: FaultsOutcome) -> str:
     """Returns the tables."""
     header = ["fault", "estimator", "position [m]", "worst run", "excess [m]", "heading [deg]", "excess [deg]"]
     header += ["position back [s]", "heading back [s]"]
@@ -66,7 +66,7 @@ def _crossing(one: Crossing) -> list[str]:
     ]
 
 
-def _where(outcome: Outcome, count: str) -> str:
+def _where(outcome: FaultsOutcome, count: str) -> str:
     """Returns what there should be none of, with its faults and estimators."""
     found = [(getattr(one, count), one) for one in outcome.costs]
     return "; ".join(f"{number} ({one.fault}, {one.estimator})" for number, one in found if number) or "none"

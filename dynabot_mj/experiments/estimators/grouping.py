@@ -29,7 +29,7 @@ from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import GpsFix
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 from dynabot_mj.experiments.estimators import checks
-from dynabot_mj.sensing import samples as replay
+from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.options import SensorOptions
 
 MEASUREMENTS = ("position x", "position y", "velocity", "bearing")
@@ -161,9 +161,9 @@ class _Tallied(CoupledEkf):
         self.bearing_shares: list[Array] = []  # (10, 1) each
         self.fix_shares: list[Array] = []  # (10, 4) each
 
-    def see_bearing(self, rows: Rows, bearing: Array) -> Update:
+    def see_heading(self, rows: Rows, bearing: Array) -> Update:
         covariance = self.covariance[rows].copy()
-        update = super().see_bearing(rows, bearing)
+        update = super().see_heading(rows, bearing)
         observation = np.zeros((len(covariance), 1, motion.STATES))
         observation[..., motion.HEADING] = 1.0
         self.bearing_shares.append(shares(covariance, observation, update.innovation_covariance))

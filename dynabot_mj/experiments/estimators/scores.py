@@ -12,7 +12,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from dynabot_mj.common.arrays import Array
+from dynabot_mj.common.arrays import Array, rms
 from dynabot_mj.estimation import motion
 from dynabot_mj.estimation.estimator import Estimator
 from dynabot_mj.estimation.measurements import rotation, wrap
@@ -20,7 +20,7 @@ from dynabot_mj.experiments.estimators import best_fit
 from dynabot_mj.experiments.estimators.best_fit import BestFit
 from dynabot_mj.experiments.estimators.kinematic import PathName
 from dynabot_mj.sensing.ground_truth import GroundTruth
-from dynabot_mj.sensing.samples import Samples, Track
+from dynabot_mj.sensing.replay import Samples, Track
 
 
 @runtime_checkable
@@ -33,7 +33,7 @@ class FullState(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scores:
+class EstimationScores:
     """Of R runs; NaN for a run whose estimator did not know where it was throughout."""
 
     uncertainty: Array  # (R,) [m]
@@ -46,7 +46,7 @@ class Scores:
 
 
 class Consistency:
-    """Collects NEES and NIS while an estimator follows samples: give `collect` to `samples.follow`."""
+    """Collects NEES and NIS while an estimator follows samples: give `collect` to `replay.follow`."""
 
     def __init__(self, estimator: Estimator, state: Array, first: int) -> None:
         """Starts with no sample.
@@ -113,7 +113,7 @@ def nees(error: Array, covariance: Array) -> Array:
 
 def judge(
     path: PathName, track: Track, truth: GroundTruth, consistency: Consistency, first: int
-) -> tuple[Scores, BestFit]:
+) -> tuple[EstimationScores, BestFit]:
     """Judges an estimator's track.
 
     Args:
@@ -136,15 +136,12 @@ def judge(
     def score(values: Array) -> Array:
         return np.where(known.all(axis=0), values, np.nan)
 
-    def rms(error: Array) -> Array:
-        return score(np.sqrt((error**2).mean(axis=(0, 2))))
-
-    scores = Scores(
+    scores = EstimationScores(
         uncertainty=score(fitted.distance.max(axis=0)),
         true_error=score(np.linalg.norm(error_w, axis=-1).max(axis=0)),
-        rms=rms(error_w),
-        rms_mean_removed=rms(error_w - error_w.mean(axis=0)),
-        heading_rms=rms(turned[..., None]),
+        rms=score(rms(error_w, axis=(0, 2))),
+        rms_mean_removed=score(rms(error_w - error_w.mean(axis=0), axis=(0, 2))),
+        heading_rms=score(rms(turned[..., None], axis=(0, 2))),
         nees=score(consistency.nees),
         nis=score(consistency.nis),
     )

@@ -62,7 +62,7 @@ class Published:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class CaseRow:
     """One case, summarised over its trials; diverged trials count in `diverged` and nowhere else."""
 
     plant: str
@@ -97,19 +97,19 @@ class Row:
         return "/".join(part for part in (self.plant, self.perception, self.estimator) if part)
 
 
-def rows(study: xr.Dataset) -> list[Row]:
+def rows(study: xr.Dataset) -> list[CaseRow]:
     """Summarises every case of a study."""
     return [row(study.isel(case=index)) for index in range(study.sizes["case"])]
 
 
-def row(case: xr.Dataset) -> Row:
+def row(case: xr.Dataset) -> CaseRow:
     """Summarises one case of a study's Dataset."""
     estimator, plant = str(case.estimator.item()), str(case.plant.item())
     published = TABLE_III[estimator]
     settling, arrival = measures.variable(case, "settling"), measures.variable(case, "arrival")
     # An older study does not tell what did not arrive from what it does not know.
     not_arrived = np.where(measures.restricted(case, "arrival") >= 0.0, np.isnan(arrival), np.nan)
-    return Row(
+    return CaseRow(
         plant=plant,
         perception=str(case.perception.item()) or None,
         estimator=estimator,

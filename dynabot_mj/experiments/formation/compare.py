@@ -11,7 +11,7 @@ from typing import Any
 import xarray as xr
 
 from dynabot_mj.experiments.formation import case_rows, paired_tests
-from dynabot_mj.experiments.formation.case_rows import Row
+from dynabot_mj.experiments.formation.case_rows import CaseRow
 from dynabot_mj.experiments.formation.paired_tests import Equivalence, Interaction, Paired
 
 _MOST_LATE = 0.05  # share of trials that may not arrive without a word
@@ -22,7 +22,7 @@ class Comparison:
     """What a study says."""
 
     study: xr.Dataset
-    rows: Sequence[Row]
+    rows: Sequence[CaseRow]
     paired: Sequence[Paired]
     interactions: Sequence[Interaction]
     equivalences: Sequence[Equivalence]

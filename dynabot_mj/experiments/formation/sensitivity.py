@@ -17,7 +17,7 @@ from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.common.intervals import Rate
 from dynabot_mj.common.tables import Table
 from dynabot_mj.experiments.formation import case_rows, paired_tests
-from dynabot_mj.experiments.formation.case_rows import Row
+from dynabot_mj.experiments.formation.case_rows import CaseRow
 from dynabot_mj.experiments.formation.paired_tests import Paired
 from dynabot_mj.study import scenario
 from dynabot_mj.study.scenario import Scenario
@@ -51,7 +51,7 @@ class Found:
 
     reading: str
     duration_s: float
-    rows: Sequence[Row]
+    rows: Sequence[CaseRow]
     ranking: Mapping[str, str]  # of `RANKED`, best first, see `ranking`
 
 
@@ -160,14 +160,14 @@ def examine(setup: Scenario, run: Run) -> Sensitivity:
     return Sensitivity(trials=setup.trials, robots=setup.robots, seed=setup.seed, found=tuple(found))
 
 
-def value(row: Row, metric: str) -> float | None:
+def value(row: CaseRow, metric: str) -> float | None:
     """Returns what a row says by a measure."""
     found = getattr(row, metric)
     shown: float | None = found.rate if isinstance(found, Rate) else found.mean
     return shown
 
 
-def ranking(metric: str, rows: Sequence[Row], differences: Sequence[Paired]) -> str:
+def ranking(metric: str, rows: Sequence[CaseRow], differences: Sequence[Paired]) -> str:
     """Returns the estimators in their order by a measure, best first.
 
     `<` stands where each one before differs from each one after, on the same trials and in the order of the means; what
@@ -222,7 +222,7 @@ def markdown(result: Sensitivity) -> str:
                 [
                     "" if index else one.reading,
                     row.estimator,
-                    tables.mean(row.arrival_s),
+                    tables.mean_and_sd(row.arrival_s),
                     tables.rate(row.arrival_s.not_arrived),
                     tables.interval(row.time_to_formation_s),
                     tables.rate(row.collision_footprint),

@@ -98,7 +98,7 @@ class Figures:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Report:
+class DriveReport:
     """The figures, and the traces that they were read from."""
 
     conditions: Conditions
@@ -135,7 +135,7 @@ class _Drives:
         ]
 
 
-def drive(conditions: Conditions = scene.NOMINAL, timestep: float = TIMESTEP) -> Report:
+def drive(conditions: Conditions = scene.NOMINAL, timestep: float = TIMESTEP) -> DriveReport:
     """Drives the whole course.
 
     Args:
@@ -166,7 +166,7 @@ def drive(conditions: Conditions = scene.NOMINAL, timestep: float = TIMESTEP) ->
         **_slopes(drives.uphill, drives.across),
         **_motors(course.robot, drives.launch),
     )
-    return Report(
+    return DriveReport(
         conditions=conditions,
         robot=course.robot,
         figures=figures,

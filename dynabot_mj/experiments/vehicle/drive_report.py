@@ -6,7 +6,7 @@ from typing import Any
 
 from dynabot_mj.common import tables
 from dynabot_mj.experiments.vehicle import drive
-from dynabot_mj.experiments.vehicle.drive import Corner, Figures, Report
+from dynabot_mj.experiments.vehicle.drive import Corner, DriveReport, Figures
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.scene import Conditions
 
@@ -79,14 +79,14 @@ def lines(figures: Figures) -> list[Line]:
     ]
 
 
-def document(report: Report) -> dict[str, Any]:
+def document(report: DriveReport) -> dict[str, Any]:
     """Returns the JSON document of `dynabot drive`."""
     given = {"model": report.conditions.model, "payload_kg": report.conditions.payload}
     bands = {one.name: one.holds for one in lines(report.figures) if one.judged}
     return {**given, **asdict(report.figures), **({"acceptance": bands} if _is_nominal(report) else {})}
 
 
-def markdown(report: Report) -> str:
+def markdown(report: DriveReport) -> str:
     """Returns the result as readable tables; the bands are those of the robot as it is, so only it is judged."""
     figures = report.figures
     judge = _is_nominal(report)
@@ -146,7 +146,7 @@ def step_table(found: Mapping[float, Figures]) -> str:
     return "\n".join(tables.aligned(header, body)) + "\n"
 
 
-def _is_nominal(report: Report) -> bool:
+def _is_nominal(report: DriveReport) -> bool:
     return report.conditions == scene.NOMINAL
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynabot_mj.common.arrays import Array
+from dynabot_mj.common.arrays import Array, rms
 from dynabot_mj.controllers.design import planar_model
 from dynabot_mj.experiments.vehicle.course import TURNING, Course
 from dynabot_mj.plants import scene
@@ -24,8 +24,7 @@ class Parity:
     @property
     def error(self) -> Array:
         """RMS difference of each signal by its range in MuJoCo, (signals,)."""
-        rms = np.sqrt(((self.mujoco - self.planar) ** 2).mean(axis=0))
-        return rms / np.ptp(self.mujoco, axis=0)
+        return rms(self.mujoco - self.planar, axis=0) / np.ptp(self.mujoco, axis=0)
 
 
 def parity(conditions: scene.Conditions = scene.NOMINAL) -> Parity:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from dynabot_mj.common import intervals, tables
-from dynabot_mj.common.arrays import Array, Progress
+from dynabot_mj.common.arrays import Array, Progress, rms
 from dynabot_mj.common.intervals import Difference, Mean, MeanInterval, Rate
 from dynabot_mj.experiments.vehicle import formation_tracking, manoeuvres, tracking
 from dynabot_mj.experiments.vehicle.formation_tracking import FormationTracking
@@ -90,7 +90,7 @@ class FormationRow:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Report:
+class TrackReport:
     """What was found."""
 
     seed: int
@@ -109,7 +109,7 @@ class _Task:
     setup: Scenario
 
 
-def run(seed: int, trials: int, workers: int, progress: Progress = lambda share: None) -> Report:
+def run(seed: int, trials: int, workers: int, progress: Progress = lambda share: None) -> TrackReport:
     """Runs everything.
 
     Args:
@@ -135,7 +135,7 @@ def run(seed: int, trials: int, workers: int, progress: Progress = lambda share:
             found.append(future.result())
             progress((done + 1) / len(tasks))
     rows = [_row(task, outcome) for task, outcome in zip(tasks, found, strict=True)]
-    return Report(
+    return TrackReport(
         seed=seed,
         courses=tuple(_course_rows(driven)),
         formations=tuple(rows[:split]),
@@ -149,7 +149,7 @@ def run(seed: int, trials: int, workers: int, progress: Progress = lambda share:
     )
 
 
-def document(report: Report) -> dict[str, Any]:
+def document(report: TrackReport) -> dict[str, Any]:
     """Returns the JSON document."""
     return {
         "seed": report.seed,
@@ -159,7 +159,7 @@ def document(report: Report) -> dict[str, Any]:
     }
 
 
-def markdown(report: Report) -> str:
+def markdown(report: TrackReport) -> str:
     """Returns the report as tables."""
     kinds = list(manoeuvres.KINDS)
     courses = [
@@ -277,8 +277,8 @@ def _course_rows(driven: dict[str, Tracking]) -> list[CourseRow]:
                 CourseRow(
                     laws=law,
                     kind=kind,
-                    velocity_rms_mps=float(np.sqrt((one.velocity_error[part] ** 2).mean())),
-                    position_rms_m=float(np.sqrt((one.position_error[part] ** 2).mean())),
+                    velocity_rms_mps=float(rms(one.velocity_error[part])),
+                    position_rms_m=float(rms(one.position_error[part])),
                 )
             )
     return rows

@@ -117,8 +117,8 @@ def _drive(plant: Plant, courses: Courses) -> Motion:
     )
     return Motion(
         time=ends.time[1:],
-        position_w=ends.position_w[1:, :, 0].swapaxes(0, 1),
-        velocity_w=ends.velocity_w[1:, :, 0].swapaxes(0, 1),
+        position_w=np.ascontiguousarray(ends.position_w[1:, :, 0].swapaxes(0, 1)),
+        velocity_w=np.ascontiguousarray(ends.velocity_w[1:, :, 0].swapaxes(0, 1)),
     )
 
 

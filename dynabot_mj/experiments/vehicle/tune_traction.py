@@ -13,7 +13,6 @@ from dynabot_mj.common.arrays import Array, Progress
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.common.intervals import Difference
 from dynabot_mj.common.tables import aligned
-from dynabot_mj.controllers import gains as gain_sets
 from dynabot_mj.controllers.design import design_model, tuning
 from dynabot_mj.controllers.gains import Gains
 from dynabot_mj.experiments.vehicle import manoeuvres
@@ -23,6 +22,7 @@ from dynabot_mj.experiments.vehicle.tracking import FIELD, WELL_RADIUS, Tracking
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.plants.rigid_body import LOCAL_PERIOD
+from dynabot_mj.study import fleet
 from dynabot_mj.study.provenance import versions
 
 SteeringTable = Literal["hand_point", "heading"]
@@ -38,7 +38,7 @@ _AT_BOUND = 0.005  # share of its range within which a gain is at its bound
 
 
 @dataclass(frozen=True, kw_only=True)
-class Request:
+class TuningRequest:
     """What to tune."""
 
     steering: SteeringTable = "hand_point"
@@ -80,7 +80,7 @@ class Validation:
 class Result:
     """A tuning and its validation."""
 
-    request: Request
+    request: TuningRequest
     courses: Courses
     solution: tuning.Solution
     validation: Validation
@@ -118,7 +118,7 @@ class Result:
         }
 
 
-def run(request: Request, progress: Progress = lambda share: None) -> Result:
+def run(request: TuningRequest, progress: Progress = lambda share: None) -> Result:
     """Tunes, and validates.
 
     Args:
@@ -129,7 +129,7 @@ def run(request: Request, progress: Progress = lambda share: None) -> Result:
         InputError: If there is no such model or gain set, or a value is not allowed.
     """
     check(request)
-    start, against = _gains(request.start), _gains(request.against)
+    start, against = fleet.gain_set(request.start), fleet.gain_set(request.against)
     given = list(request.courses) or manoeuvres.random(request.seed, COURSES, _TUNING)
     courses = manoeuvres.sampled(given, DURATION, request.period)
     task = problem(request, courses)
@@ -143,7 +143,7 @@ def run(request: Request, progress: Progress = lambda share: None) -> Result:
     )
 
 
-def check(request: Request) -> None:
+def check(request: TuningRequest) -> None:
     """Checks a request before any work.
 
     Raises:
@@ -154,11 +154,11 @@ def check(request: Request) -> None:
     if request.seed < 0:
         raise InputError(f"seed {request.seed} given, it must not be negative")
     for name in (request.start, request.against):
-        _gains(name)
+        fleet.gain_set(name)
     scene.read_robot(request.conditions)
 
 
-def problem(request: Request, courses: Courses) -> design_model.Problem:
+def problem(request: TuningRequest, courses: Courses) -> design_model.Problem:
     """Returns the optimal control problem of courses."""
     return design_model.Problem(
         vehicle=scene.read_robot(request.conditions).vehicle,
@@ -177,12 +177,14 @@ def problem(request: Request, courses: Courses) -> design_model.Problem:
     )
 
 
-def laws(gains: Gains, request: Request) -> LocalLaws:
+def laws(gains: Gains, request: TuningRequest) -> LocalLaws:
     """Returns the local laws with a gain set."""
     return LocalLaws(steering=getattr(gains, request.steering), traction=gains.traction)
 
 
-def validate(request: Request, before: Gains, after: Gains, progress: Progress = lambda share: None) -> Validation:
+def validate(
+    request: TuningRequest, before: Gains, after: Gains, progress: Progress = lambda share: None
+) -> Validation:
     """Judges two gain sets in MuJoCo on courses that the tuning did not use, over friction, payload and period.
 
     A course's cost is averaged over the conditions, and the courses are the sample of the interval: conditions of one
@@ -244,7 +246,7 @@ def document(result: Result, models: Parity) -> dict[str, Any]:
 def markdown(result: Result, models: Parity) -> str:
     """Returns the tuning as tables."""
     request, solution, validation = result.request, result.solution, result.validation
-    old, new = _gains(request.against), solution.gains
+    old, new = fleet.gain_set(request.against), solution.gains
     table = [
         [name, *(f"{_value(one, request, name):.4g}" for one in (old, new)), _bounds(name, _value(new, request, name))]
         for name in design_model.free(request.steering)
@@ -278,13 +280,6 @@ def markdown(result: Result, models: Parity) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _gains(name: str) -> Gains:
-    try:
-        return gain_sets.load(name)
-    except (FileNotFoundError, ValueError) as error:
-        raise InputError(str(error)) from error
-
-
 def _bounds(name: str, tuned: float) -> str:
     """Returns between what a gain was sought, and whether it ended there: the optimum may lie beyond."""
     low, high = design_model.BOUNDS[name]
@@ -292,7 +287,7 @@ def _bounds(name: str, tuned: float) -> str:
     return f"{low:g} to {high:g}" + (", at its bound" if near else "")
 
 
-def _value(gains: Gains, request: Request, name: str) -> float:
+def _value(gains: Gains, request: TuningRequest, name: str) -> float:
     return float({**asdict(getattr(gains, request.steering)), **asdict(gains.traction)}[name])
 
 

@@ -14,7 +14,7 @@ from dynabot_mj.sensing.ground_truth import GroundTruth
 from dynabot_mj.sensing.logs import files
 from dynabot_mj.sensing.logs.columns import QUANTITIES
 from dynabot_mj.sensing.options import WheelErrors
-from dynabot_mj.sensing.samples import Samples
+from dynabot_mj.sensing.replay import Samples
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +42,7 @@ class Log:
                 period=np.diff(self.time, prepend=self.time[:1])[:, None],
                 specific_force_b=self.specific_force_b[:, None],
                 yaw_rate=self.yaw_rate[:, None],
-                bearing=self.bearing[:, None],
+                magnetic_heading=self.bearing[:, None],
             ),
             fix=GpsFix(
                 received=np.isfinite(self.fix_time)[:, None],
@@ -57,7 +57,7 @@ def from_run(samples: Samples, truth: GroundTruth, run: int, wheels: WheelErrors
     """Returns the log of one recorded run, with the truth and, where there are wheels, what their converters read.
 
     Args:
-        samples: Of `samples.record`.
+        samples: Of `replay.record`.
         truth: The drives that they are of.
         run: Its index.
         wheels: Resolution of the converters.
@@ -75,7 +75,7 @@ def from_run(samples: Samples, truth: GroundTruth, run: int, wheels: WheelErrors
         time=samples.time,
         specific_force_b=_finite(samples.imu.specific_force_b[:, run]),
         yaw_rate=_finite(samples.imu.yaw_rate[:, run]),
-        bearing=_finite(samples.imu.bearing[:, run]),
+        bearing=_finite(samples.imu.magnetic_heading[:, run]),
         fix_time=np.where(received, samples.time - fix.age[:, run], np.nan),
         fix_position_w=np.where(received[:, None], fix.position_w[:, run], np.nan),
         fix_velocity_w=np.where(received[:, None], fix.velocity_w[:, run], np.nan),

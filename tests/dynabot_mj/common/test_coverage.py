@@ -11,7 +11,7 @@ import pytest
 from scipy import stats
 
 from dynabot_mj import study
-from dynabot_mj.common import intervals as statistics
+from dynabot_mj.common import intervals
 from dynabot_mj.experiments.formation import measures
 from dynabot_mj.study import configuration
 from dynabot_mj.study.execution import Execution
@@ -26,7 +26,7 @@ POPULATION = 600
 @pytest.mark.parametrize("p", RATES)
 def test_wilson_intervals_of_rates(p):
     k = np.arange(N + 1)
-    intervals = [statistics.share(int(one), N) for one in k]
+    intervals = [intervals.share(int(one), N) for one in k]
     inside = np.array([one.low <= p <= one.high for one in intervals])
     coverage = float((stats.binom.pmf(k, N, p) * inside).sum())
     print(f"\nrate {p}: {100 * coverage:.1f} %")
@@ -35,7 +35,7 @@ def test_wilson_intervals_of_rates(p):
 
 @functools.cache
 def interval(more, less):
-    return statistics.paired_rates_interval(more, less, N)
+    return intervals.paired_rates_interval(more, less, N)
 
 
 @pytest.mark.slow
@@ -83,8 +83,8 @@ def test_bca_intervals_of_means_on_the_studys_own_distributions(population, name
     values = values[np.isfinite(values)]
     truth, middle, rng = values.mean(), np.median(values), np.random.default_rng(0)
     drawn = [rng.choice(values, N) for _ in range(DRAWS)]
-    means = [statistics.bootstrapped(one, seed) for seed, one in enumerate(drawn)]
-    medians = [statistics.median(one) for one in drawn]
+    means = [intervals.bootstrapped(one, seed) for seed, one in enumerate(drawn)]
+    medians = [intervals.median(one) for one in drawn]
     of_mean = np.mean([one.low <= truth <= one.high for one in means])
     of_median = np.mean([one.low <= middle <= one.high for one in medians])
     of = population.estimator.values[a] + ("" if b is None else f" - {population.estimator.values[b]}")

@@ -47,6 +47,6 @@ def test_trials_are_all_there_with_units(dataset):
 
 
 def test_the_tethers_table_has_every_estimator():
-    outcome = circle.run(circle.Request(runs=1, duration=30.0))
+    outcome = circle.run(circle.CircleRequest(runs=1, duration=30.0))
     rows = read(csv_tables.of_circle(outcome)["circle.csv"])
     assert [row["estimator"] for row in rows] == ["gps", "decoupled", "coupled"]

@@ -64,7 +64,7 @@ def test_ideal_sensors_tell_the_truth():
         assert imu.period[0, 0] == pytest.approx(PERIOD)
         np.testing.assert_allclose(imu.specific_force_b[0, 0], [1.0, 0.0], atol=1e-9)
         assert imu.yaw_rate[0, 0] == pytest.approx(0.5)
-        assert imu.bearing[0, 0] == pytest.approx(0.5 * PERIOD * index)
+        assert imu.magnetic_heading[0, 0] == pytest.approx(0.5 * PERIOD * index)
 
 
 def test_fixes_are_latched_when_they_are_true_and_arrive_later():
@@ -145,7 +145,7 @@ def test_iron_draws_the_bearing_off_once_and_twice_per_turn():
     for index, angle in enumerate(turn):
         now = replace(state, time=PERIOD * index, heading=np.full((20, 1), angle))
         imu, _ = sensors.sample(now, np.ones((20, 1), dtype=bool))
-        errors.append((imu.bearing[:, 0] - angle + np.pi) % (2.0 * np.pi) - np.pi)
+        errors.append((imu.magnetic_heading[:, 0] - angle + np.pi) % (2.0 * np.pi) - np.pi)
     spectrum = np.abs(np.fft.rfft(np.array(errors), axis=0)) * 2.0 / len(turn)
     np.testing.assert_allclose(spectrum[1], 0.1, atol=1e-9)
     np.testing.assert_allclose(spectrum[2], 0.03, atol=1e-9)
@@ -193,7 +193,7 @@ def test_a_trial_does_not_depend_on_the_others():
     def last(trials):
         sensors = Sensors(SensorOptions(), PERIOD, 5, trials, still(0.0, len(trials), 2))
         *_, (imu, fix) = sampled(sensors, lambda time: still(time, len(trials), 2), 20)
-        return imu.specific_force_b[-1], imu.bearing[-1], fix.position_w[-1]
+        return imu.specific_force_b[-1], imu.magnetic_heading[-1], fix.position_w[-1]
 
     for alone, together in zip(last([7]), last([3, 4, 7]), strict=True):
         np.testing.assert_array_equal(alone, together)

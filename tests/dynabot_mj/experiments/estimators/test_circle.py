@@ -9,7 +9,7 @@ from dynabot_mj.estimation.build import NAMES
 from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.experiments.estimators import circle, circle_report
 from dynabot_mj.sensing.options import matched
-from dynabot_mj.testbed import paper as testbed
+from dynabot_mj.testbed import paper
 
 # Standard deviations over the runs (200 runs, seed 0), and how far a mean may be from the paper's figure.
 SPREAD = {"gps": 0.34, "decoupled": 0.24, "coupled": 0.20}
@@ -24,9 +24,9 @@ def outcome():
 def test_a_few_runs_give_table_ii(outcome):
     for row in circle_report.rows(outcome):
         # What 200 runs may be off by, and three standard errors of twelve.
-        paper = testbed.TABLE_II[row.estimator].uncertainty
-        allowed = TOLERANCE["kinematic"] * paper + 3.0 * SPREAD[row.estimator] / np.sqrt(12)
-        assert row.paper_m == paper
+        published = paper.TABLE_II[row.estimator].uncertainty
+        allowed = TOLERANCE["kinematic"] * published + 3.0 * SPREAD[row.estimator] / np.sqrt(12)
+        assert row.paper_m == published
         assert row.uncertainty_m.n == 12
         assert row.uncertainty_m.mean == pytest.approx(paper, abs=allowed)
     # Were 90 % of the runs ordered, fewer than 8 of 12 would be in 4 of 1,000 such tests.
@@ -55,7 +55,7 @@ def test_the_document_has_means_rates_and_plain_numbers(outcome):
 
 
 def test_filters_whose_assumptions_hold_are_consistent(outcome):
-    asked = circle.Request(duration=50.0, runs=8, sensors=matched(DEFAULT))
+    asked = circle.CircleRequest(duration=50.0, runs=8, sensors=matched(DEFAULT))
     scores = circle.follow(asked, 0, 8).scores["coupled"]
     # Over 50 such runs of seed 1 the standard deviations are 2.1 and 0.21.
     assert scores.nees.mean() == pytest.approx(10.0, abs=3.0 * 2.1 / np.sqrt(8))

@@ -8,8 +8,8 @@ from dynabot_mj import cli
 from dynabot_mj.estimation import build
 from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.experiments.estimators import estimate, kinematic
-from dynabot_mj.figures import log as replay_figures
-from dynabot_mj.sensing import samples as replay
+from dynabot_mj.figures import log as log_figure
+from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.faults import Fault
 from dynabot_mj.sensing.logs import log as logs
 from dynabot_mj.sensing.options import SensorOptions, WheelErrors
@@ -98,7 +98,7 @@ def test_a_track_is_written_to_the_last_bit(found):
 def test_each_estimator_is_drawn_in_a_column(found, log, judged):
     if not judged:
         found = dataclasses.replace(found, log=dataclasses.replace(log, position_w=None, heading=None))
-    figure = replay_figures.replay(found)
+    figure = log_figure.replay(found)
     axes = np.array(figure.axes).reshape(4, 3)
     assert [axis.get_title() for axis in axes[0]] == ["GPS", "decoupled EKF", "coupled EKF"]
     assert [axis.get_ylabel() for axis in axes[:, 0]] == (

@@ -6,7 +6,7 @@ import pytest
 from dynabot_mj.experiments.estimators import kinematic
 from dynabot_mj.experiments.estimators import scores as estimation_scores
 from dynabot_mj.experiments.estimators.scores import Consistency
-from dynabot_mj.sensing.samples import Track
+from dynabot_mj.sensing.replay import Track
 
 RUNS, FIRST = 2, 10
 

@@ -30,7 +30,7 @@ def test_document_is_json_with_integers_for_counts(report):
 
 def test_markdown_shows_bands_of_the_robot_as_it_is_only(report):
     assert "| 10 to 10.6 " in drive_report.markdown(report)
-    changed = drive.Report(**{**vars(report), "conditions": scene.Conditions(payload=4.0)})
+    changed = drive.DriveReport(**{**vars(report), "conditions": scene.Conditions(payload=4.0)})
     assert "10 to 10.6" not in drive_report.markdown(changed)
     assert "acceptance" not in drive_report.document(changed)
 

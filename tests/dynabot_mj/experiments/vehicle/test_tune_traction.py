@@ -8,7 +8,7 @@ from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.controllers import gains
 from dynabot_mj.controllers.design import design_model, tuning
 from dynabot_mj.experiments.vehicle import manoeuvres, tune_traction
-from dynabot_mj.experiments.vehicle.tune_traction import Request
+from dynabot_mj.experiments.vehicle.tune_traction import TuningRequest
 from dynabot_mj.figures import tracking
 
 
@@ -42,17 +42,17 @@ def test_a_tuning_leaves_gains_verdict_and_figures(small, tmp_path, capsys):
 def test_gains_that_are_not_better_are_not_adopted(monkeypatch, small):
     first = gains.load("first")
     spoilt = replace(first, traction=replace(first.traction, yaw_gain=0.3, scrub_torque=0.5))
-    verdict = tune_traction.validate(Request(), first, spoilt)
+    verdict = tune_traction.validate(TuningRequest(), first, spoilt)
     assert not verdict.better
     # A set against itself is no better either: the interval is zero.
-    assert not tune_traction.validate(Request(), first, first).better
-    assert tune_traction.validate(Request(), spoilt, first).improvement.difference == pytest.approx(
+    assert not tune_traction.validate(TuningRequest(), first, first).better
+    assert tune_traction.validate(TuningRequest(), spoilt, first).improvement.difference == pytest.approx(
         -verdict.improvement.difference
     )
 
 
 def test_the_other_law_can_be_tuned(small):
-    result = tune_traction.run(Request(steering="heading"))
+    result = tune_traction.run(TuningRequest(steering="heading"))
     assert result.solution.cost_after < result.solution.cost_before
     assert result.solution.gains.hand_point == gains.load("first").hand_point
     assert tracking.tuning(result).axes
@@ -61,7 +61,7 @@ def test_the_other_law_can_be_tuned(small):
 def test_courses_of_a_file_are_what_is_tuned_on(small, tmp_path):
     file = tmp_path / "courses.toml"
     file.write_text('[[manoeuvre]]\nkind = "circle"\nforce = 20.0\n')
-    request = Request(courses=tuple(manoeuvres.load(file)))
+    request = TuningRequest(courses=tuple(manoeuvres.load(file)))
     assert tune_traction.run(request).courses.force_w.shape == (1, 56, 2)
 
 
@@ -87,12 +87,12 @@ def test_nonsense_is_refused_before_any_work(arguments, message, tmp_path, capsy
 
 def test_an_unknown_law_is_not_tuned():
     with pytest.raises(InputError, match="period"):
-        tune_traction.check(Request(period=3.0))
+        tune_traction.check(TuningRequest(period=3.0))
 
 
 @pytest.mark.slow
 def test_a_second_start_point_reaches_the_same_cost():
-    request = Request()
+    request = TuningRequest()
     courses = manoeuvres.sampled(manoeuvres.random(0, tune_traction.COURSES, 0), tune_traction.DURATION, 0.036)
     problem = tune_traction.problem(request, courses)
     first = gains.load("first")

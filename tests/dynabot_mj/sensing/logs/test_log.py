@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.estimation import build
 from dynabot_mj.experiments.estimators import kinematic
-from dynabot_mj.sensing import samples as replay
+from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.faults import Fault
 from dynabot_mj.sensing.logs import log as logs
 from dynabot_mj.sensing.logs.columns import COLUMNS
@@ -82,7 +82,7 @@ def test_a_log_of_a_run_has_its_samples_and_its_truth(drive, log):
     truth, recorded = drive
     samples = log.samples
     np.testing.assert_array_equal(samples.imu.period[:, 0], recorded.imu.period[:, 1])
-    np.testing.assert_array_equal(samples.imu.bearing[:, 0], recorded.imu.bearing[:, 1])
+    np.testing.assert_array_equal(samples.imu.magnetic_heading[:, 0], recorded.imu.magnetic_heading[:, 1])
     # A fix with a velocity that is not a number is none.
     usable = recorded.fix.received[:, 1] & np.isfinite(recorded.fix.velocity_w[:, 1]).all(axis=-1)
     assert usable.sum() < recorded.fix.received[:, 1].sum()

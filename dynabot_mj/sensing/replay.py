@@ -73,7 +73,7 @@ def record(truth: GroundTruth, options: SensorOptions, period: float, seed: int,
             period=stacked([imu.period for imu, _ in samples]),
             specific_force_b=stacked([imu.specific_force_b for imu, _ in samples]),
             yaw_rate=stacked([imu.yaw_rate for imu, _ in samples]),
-            bearing=stacked([imu.bearing for imu, _ in samples]),
+            magnetic_heading=stacked([imu.magnetic_heading for imu, _ in samples]),
         ),
         fix=GpsFix(
             received=np.stack([fix.received for _, fix in samples])[:, :, 0],
@@ -93,7 +93,7 @@ def follow(samples: Samples, estimator: Estimator, watch: Callable[[int], None] 
         estimator: A fresh one for (R,) robots.
         watch: Called after each sample with its index; for what only the estimator's filter can tell.
     """
-    due = np.ones(samples.imu.bearing.shape[1], dtype=bool)
+    due = np.ones(samples.imu.magnetic_heading.shape[1], dtype=bool)
     beliefs = []
     for index in range(len(samples.time)):
         beliefs.append(estimator.step(samples.imu.at(index), samples.fix.at(index), due))
