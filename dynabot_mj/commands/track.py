@@ -18,6 +18,7 @@ def add(commands: parsers.Commands) -> None:
 def track(options: argparse.Namespace) -> None:
     """How well vehicles imitate particles, for each steering law and gain set."""
     from dynabot_mj.experiments.vehicle import track as experiment
+    from dynabot_mj.experiments.vehicle import track_report
     from dynabot_mj.figures import tracking
     from dynabot_mj.figures.style import save
     from dynabot_mj.host import progress
@@ -30,6 +31,6 @@ def track(options: argparse.Namespace) -> None:
     with results.opened(options, "track", depends_on, names) as folder:
         with progress.shown("track") as tell:
             report = experiment.run(options.seed, options.trials, options.workers, tell)
-        document, text = experiment.document(report), experiment.markdown(report)
+        document, text = track_report.document(report), track_report.markdown(report)
         with results.report(options, folder, "tracking", document, text) as stage:
             save(tracking.tracking(report), stage / "tracking.png")

@@ -31,7 +31,7 @@ def add(commands: parsers.Commands) -> None:
 def tune(options: argparse.Namespace) -> None:
     """Tunes the local laws with CasADi, and judges the result in MuJoCo on courses that it was not tuned on."""
     from dynabot_mj.controllers import gains as gain_sets
-    from dynabot_mj.experiments.vehicle import manoeuvres
+    from dynabot_mj.experiments.vehicle import manoeuvres, tune_traction_report
     from dynabot_mj.experiments.vehicle import parity as models
     from dynabot_mj.experiments.vehicle import tune_traction as experiment
     from dynabot_mj.figures import tracking
@@ -53,7 +53,7 @@ def tune(options: argparse.Namespace) -> None:
         with progress.shown("tune") as tell:
             result = experiment.run(request, tell)
         parity = models.parity(request.conditions)
-        document, text = experiment.document(result, parity), experiment.markdown(result, parity)
+        document, text = tune_traction_report.document(result, parity), tune_traction_report.markdown(result, parity)
         name = _GAINS[result.adopted]
         note = f"; the gains are {folder.path / name}"
         with results.report(options, folder, "tuning", document, text, note) as stage:

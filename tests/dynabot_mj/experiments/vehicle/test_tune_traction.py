@@ -7,7 +7,7 @@ from dynabot_mj import cli
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.controllers import gains
 from dynabot_mj.controllers.design import design_model, tuning
-from dynabot_mj.experiments.vehicle import manoeuvres, tune_traction
+from dynabot_mj.experiments.vehicle import manoeuvres, tune_traction, tune_traction_report
 from dynabot_mj.experiments.vehicle.tune_traction import TuningRequest
 from dynabot_mj.figures import tracking
 
@@ -111,6 +111,6 @@ def test_a_second_start_point_reaches_the_same_cost():
 
 def test_a_gain_that_ended_at_its_bound_is_told():
     low, high = design_model.BOUNDS["scrub_torque"]
-    assert tune_traction._bounds("scrub_torque", 0.5 * (low + high)) == f"{low:g} to {high:g}"
+    assert tune_traction_report._bounds("scrub_torque", 0.5 * (low + high)) == f"{low:g} to {high:g}"
     for value in (low, high - 1e-3):
-        assert tune_traction._bounds("scrub_torque", value) == f"{low:g} to {high:g}, at its bound"
+        assert tune_traction_report._bounds("scrub_torque", value) == f"{low:g} to {high:g}, at its bound"
