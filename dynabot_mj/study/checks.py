@@ -32,6 +32,15 @@ def check(setup: Scenario) -> None:
         InputError: With the values that do not fit together.
     """
     _check_sizes(asdict(setup), asdict(Scenario()))
+    _check_rows(setup)
+    _check_start(setup)
+    _check_perception(setup)
+    laws.source(setup.controller)
+    _check_vehicle(setup)
+
+
+def _check_rows(setup: Scenario) -> None:
+    """Checks periods, accuracy and wells of each method; see `check`."""
     for estimator in setup.estimators:
         _, control_ticks = scenario.periods(setup, estimator)
         control_period = control_ticks * setup.processor.tick
@@ -53,6 +62,10 @@ def check(setup: Scenario) -> None:
                     f"field.{name} = {well.range:g} m given, it must be beyond the well's floor, which ends at "
                     f"{well.radius + well.width:g} m"
                 )
+
+
+def _check_start(setup: Scenario) -> None:
+    """Checks that robots start apart from each other and within the leader's reach; see `check`."""
     start = setup.start
     if start.spacing <= setup.collision_distance:
         raise InputError(
@@ -73,8 +86,10 @@ def check(setup: Scenario) -> None:
             f"field.leader_range = {setup.field.leader_range:g} m given; it must reach the start, up to {farthest:g} m "
             "from the leader, or nothing draws the robots there"
         )
-    _check_perception(setup)
-    laws.source(setup.controller)
+
+
+def _check_vehicle(setup: Scenario) -> None:
+    """Checks ground, gains and mass; see `check`."""
     if isinstance(setup.vehicle.friction, tuple) and setup.vehicle.friction[0] > setup.vehicle.friction[1]:
         low, high = setup.vehicle.friction
         raise InputError(f"vehicle.friction = {low:g}..{high:g} given, the first must not be above the second")
@@ -83,6 +98,7 @@ def check(setup: Scenario) -> None:
             f"vehicle.slope = {setup.vehicle.slope:g} given with the plant particle alone, which knows no ground"
         )
     fleet.local_laws(setup)
+    vehicle = scene.read_robot(fleet.conditions(setup)).vehicle
     # The same mass, so that the body is all that differs.
     if "rigid" in setup.plants and abs(fleet.mass(setup) - vehicle.mass) > 1e-6:
         raise InputError(
