@@ -64,10 +64,10 @@ def circle(options: argparse.Namespace) -> None:
             outcome = experiment.run(request, tell)
         document, text = circle_report.document(outcome), circle_report.markdown(outcome)
         note = f"; the first run's samples are {options.log}" if options.log else ""
-        with results.report(options, folder, "circle", document, text, note) as stage:
-            (stage / "circle.toml").write_text(experiment.dump(request), encoding="utf-8")
-            save(circle.paths(outcome), stage / "fig_3.png")
-            save(circle.errors(outcome), stage / "errors.png")
+        with results.report(options, folder, "circle", document, text, note) as draft:
+            (draft / "circle.toml").write_text(experiment.dump(request), encoding="utf-8")
+            save(circle.paths(outcome), draft / "fig_3.png")
+            save(circle.errors(outcome), draft / "errors.png")
             if options.log:
                 first = outcome.example
                 log.write(options.log, log.from_run(first.samples, first.truth, 0, request.sensors.wheels))

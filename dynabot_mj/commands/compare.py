@@ -58,31 +58,31 @@ def compare(options: argparse.Namespace) -> None:
         comparison = experiment.compared(study)
         table, document = compare_tables.markdown(comparison), experiment.document(comparison)
         studies.note_late(comparison)
-        with studies.staged(folder, setup, study, options, wall_s) as stage:
-            (stage / "table.md").write_text(table, encoding="utf-8")
-            (stage / "compare.json").write_text(results.dump(document), encoding="utf-8")
+        with studies.drafted(folder, setup, study, options, wall_s) as draft:
+            (draft / "table.md").write_text(table, encoding="utf-8")
+            (draft / "compare.json").write_text(results.dump(document), encoding="utf-8")
             if (fitted := in_loop.fitted_toml(study)) is not None:
-                (stage / "fitted.toml").write_text(fitted, encoding="utf-8")
-            _draw(comparison, stage)
+                (draft / "fitted.toml").write_text(fitted, encoding="utf-8")
+            _draw(comparison, draft)
     studies.show(options, folder, document, table, wall_s)
 
 
-def _draw(comparison: Any, stage: Path) -> None:
+def _draw(comparison: Any, draft: Path) -> None:
     """Draws the figures of a comparison."""
     from dynabot_mj.figures import autocorrelations, bars, distributions, paths, style
 
     study = comparison.study
     if (errors := autocorrelations.errors(study)) is not None:
-        style.save(errors, stage / "errors.png")
-    style.save(bars.table_iii(comparison), stage / "table_iii.png")
-    style.save(bars.outcomes(comparison), stage / "outcomes.png")
+        style.save(errors, draft / "errors.png")
+    style.save(bars.table_iii(comparison), draft / "table_iii.png")
+    style.save(bars.outcomes(comparison), draft / "outcomes.png")
     if (incidence := distributions.incidence(study)) is not None:
-        style.save(incidence, stage / "incidence.png")
+        style.save(incidence, draft / "incidence.png")
     shown = list(dict.fromkeys(zip(study.estimator.values, study.perception.values, strict=True)))
     for estimator, perception in shown:
         several = sum(name == estimator for name, _ in shown) > 1
         name = f"trajectories_{estimator}_{perception}" if several else f"trajectories_{estimator}"
-        style.save(paths.trajectories(study, estimator, perception), stage / f"{name}.png")
+        style.save(paths.trajectories(study, estimator, perception), draft / f"{name}.png")
 
 
 def _setup(options: argparse.Namespace) -> Any:
@@ -117,7 +117,7 @@ def _sensitivity(options: argparse.Namespace) -> None:
 
         found = sensitivity.examine(setup, run)
         document, text = sensitivity.document(found), sensitivity.markdown(found)
-        with results.report(options, folder, "sensitivity", document, text) as stage:
-            (stage / "study.toml").write_text(configuration.dump(setup), encoding="utf-8")
-            style.save(sensitivity_figure.sensitivity(found), stage / "sensitivity.png")
+        with results.report(options, folder, "sensitivity", document, text) as draft:
+            (draft / "study.toml").write_text(configuration.dump(setup), encoding="utf-8")
+            style.save(sensitivity_figure.sensitivity(found), draft / "sensitivity.png")
         shutil.rmtree(folder.path / _READINGS)

@@ -28,5 +28,5 @@ def drive(options: argparse.Namespace) -> None:
             found = drive_report.step_sizes(conditions)
             document["step_sizes"] = drive_report.step_document(found)
             text += f"\n{drive_report.step_table(found)}"
-        with results.report(options, folder, "drive", document, text) as stage:
-            save(vehicle.acceptance_drive(report), stage / "drive.png")
+        with results.report(options, folder, "drive", document, text) as draft:
+            save(vehicle.acceptance_drive(report), draft / "drive.png")

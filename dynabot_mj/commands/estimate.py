@@ -49,7 +49,7 @@ def estimate(options: argparse.Namespace) -> None:
         with progress.shown("estimate") as tell:
             found = experiment.run(options.log.name, log, options.estimators, options.filters, parameters, tell)
         document, text = experiment.document(found), experiment.markdown(found)
-        with results.report(options, folder, "estimate", document, text) as stage:
+        with results.report(options, folder, "estimate", document, text) as draft:
             for name, track in found.tracks.items():
-                (stage / f"track_{name}.csv").write_text(experiment.track_csv(track), encoding="utf-8")
-            save(log_figure.replay(found), stage / "estimate.png")
+                (draft / f"track_{name}.csv").write_text(experiment.track_csv(track), encoding="utf-8")
+            save(log_figure.replay(found), draft / "estimate.png")

@@ -64,10 +64,10 @@ def report(
         text: The same as Markdown.
         note: What is printed behind the folder.
     """
-    with folder.staged() as stage:
-        (stage / f"{name}.json").write_text(dump(document), encoding="utf-8")
-        (stage / f"{name}.md").write_text(text, encoding="utf-8")
-        yield stage
+    with folder.drafted() as draft:
+        (draft / f"{name}.json").write_text(dump(document), encoding="utf-8")
+        (draft / f"{name}.md").write_text(text, encoding="utf-8")
+        yield draft
     show(options, document, f"{text}\nresults in {folder.path}{note}")
 
 

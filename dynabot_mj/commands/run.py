@@ -31,8 +31,8 @@ def run(options: argparse.Namespace) -> None:
         shown = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places)
         text = single_trial.markdown(case) + f"\nfinal positions [m]: {shown}"
         figure = paths.trajectories(study, setup.estimators[0], str(case.perception.item()))
-        with studies.staged(folder, setup, study, options, wall_s) as stage:
-            (stage / "run.json").write_text(results.dump(row), encoding="utf-8")
-            (stage / "run.md").write_text(text, encoding="utf-8")
-            style.save(figure, stage / "trajectories.png")
+        with studies.drafted(folder, setup, study, options, wall_s) as draft:
+            (draft / "run.json").write_text(results.dump(row), encoding="utf-8")
+            (draft / "run.md").write_text(text, encoding="utf-8")
+            style.save(figure, draft / "trajectories.png")
     results.show(options, row, f"{text}\n{wall_s:.1f} s; results in {folder.path}")

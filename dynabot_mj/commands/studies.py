@@ -188,7 +188,7 @@ def told_kept(studies: Sequence[tuple[Any, Path]]) -> str:
 
 
 @contextlib.contextmanager
-def staged(
+def drafted(
     folder: ResultFolder, setup: Any, dataset: Any, options: argparse.Namespace, wall_s: float
 ) -> Iterator[Path]:
     """Yields a folder for further results beside what every study leaves behind, and keeps them all at once."""
@@ -203,11 +203,11 @@ def staged(
         "wall_s": round(wall_s, 3),
         "cores": parsers.cores(),
     }
-    with folder.staged() as stage:
-        study.save(dataset, stage / _STUDY)
-        (stage / "study.toml").write_text(dataset.attrs["configuration"], encoding="utf-8")
-        (stage / _EXECUTION).write_text(results.dump(execution), encoding="utf-8")
-        yield stage
+    with folder.drafted() as draft:
+        study.save(dataset, draft / _STUDY)
+        (draft / "study.toml").write_text(dataset.attrs["configuration"], encoding="utf-8")
+        (draft / _EXECUTION).write_text(results.dump(execution), encoding="utf-8")
+        yield draft
     forget(setup, folder.path / _CHUNKS)
 
 

@@ -32,5 +32,5 @@ def track(options: argparse.Namespace) -> None:
         with progress.shown("track") as tell:
             report = experiment.run(options.seed, options.trials, options.workers, tell)
         document, text = track_report.document(report), track_report.markdown(report)
-        with results.report(options, folder, "tracking", document, text) as stage:
-            save(tracking.tracking(report), stage / "tracking.png")
+        with results.report(options, folder, "tracking", document, text) as draft:
+            save(tracking.tracking(report), draft / "tracking.png")

@@ -56,7 +56,7 @@ def tune(options: argparse.Namespace) -> None:
         document, text = tune_traction_report.document(result, parity), tune_traction_report.markdown(result, parity)
         name = _GAINS[result.adopted]
         note = f"; the gains are {folder.path / name}"
-        with results.report(options, folder, "tuning", document, text, note) as stage:
-            (stage / name).write_text(gain_sets.dump(result.solution.gains, result.provenance), encoding="utf-8")
-            save(tracking.tuning(result), stage / "tuning.png")
-            save(tracking.parity(parity), stage / "parity.png")
+        with results.report(options, folder, "tuning", document, text, note) as draft:
+            (draft / name).write_text(gain_sets.dump(result.solution.gains, result.provenance), encoding="utf-8")
+            save(tracking.tuning(result), draft / "tuning.png")
+            save(tracking.parity(parity), draft / "parity.png")

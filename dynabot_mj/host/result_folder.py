@@ -55,15 +55,15 @@ class ResultFolder:
         )
 
     @contextlib.contextmanager
-    def staged(self) -> Iterator[Path]:
+    def drafted(self) -> Iterator[Path]:
         """Yields a folder to write results into; they replace those in this one only when all of them are complete.
 
         The names are those that `opened` was told, so that none of the user's files has to make room in the end.
         """
-        stage = Path(tempfile.mkdtemp(prefix=files.PARTIAL, dir=self.path))
+        draft = Path(tempfile.mkdtemp(prefix=files.PARTIAL, dir=self.path))
         try:
-            yield stage
-            written = sorted(file.name for file in stage.iterdir())
+            yield draft
+            written = sorted(file.name for file in draft.iterdir())
             if unknown := [name for name in written if not _any_matches(name, self.contents.files)]:
                 raise AssertionError(f"results that were not announced: {', '.join(unknown)}")
             earlier = set(self.earlier.files if self.earlier else ())
@@ -74,10 +74,10 @@ class ResultFolder:
                 for name in earlier - set(written):
                     _remove(self.path, name)
                 for name in written:
-                    os.replace(stage / name, self.path / name)
+                    os.replace(draft / name, self.path / name)
                 _list(self.path, Contents(**{**asdict(self.contents), "files": written}))
         finally:
-            shutil.rmtree(stage, ignore_errors=True)
+            shutil.rmtree(draft, ignore_errors=True)
 
 
 @contextlib.contextmanager

@@ -1,8 +1,8 @@
 """The acceptance drive: what one rigid vehicle does when its motors are commanded directly, without local laws.
 
-From launch to head-on collision, each manoeuvre is run on the test course, and the figures are read off its trace. The
-theory of the turn in place is that of Coulomb friction under sliding tyres, 2 R omega T / (T^2 + L^2), with track T,
-wheelbase L and the wheels' measured speed omega.
+From launch to head-on collision, each manoeuvre is run on the proving ground, and the figures are read off its trace.
+The theory of the turn in place is that of Coulomb friction under sliding tyres, 2 R omega T / (T^2 + L^2), with track
+T, wheelbase L and the wheels' measured speed omega.
 """
 
 import math
@@ -14,7 +14,7 @@ import numpy as np
 
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.controllers.vehicle import GRAVITY
-from dynabot_mj.experiments.vehicle.course import TURNING, Course, Trace
+from dynabot_mj.experiments.vehicle.proving_ground import TURNING, ProvingGround, Trace
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.scene import Conditions, Robot
 
@@ -136,52 +136,52 @@ class _Drives:
 
 
 def drive(conditions: Conditions = scene.NOMINAL, timestep: float = TIMESTEP) -> DriveReport:
-    """Drives the whole course.
+    """Drives everything on the proving ground.
 
     Args:
-        conditions: Which robot, its payload and the friction; the slopes are the course's own.
+        conditions: Which robot, its payload and the friction; the slopes are its own.
         timestep: Of the physics [s].
 
     Raises:
         InputError: If the robot's model cannot be read.
     """
     level = replace(conditions, slope=0.0)
-    course = Course(level, timestep)
-    drives = _drives(course, level, timestep)
-    energies = [course.energy(slide) for slide in drives.slides]
+    ground = ProvingGround(level, timestep)
+    drives = _drives(ground, level, timestep)
+    energies = [ground.energy(slide) for slide in drives.slides]
     figures = Figures(
-        mass_kg=course.robot.vehicle.mass,
-        friction=course.robot.vehicle.friction,
+        mass_kg=ground.robot.vehicle.mass,
+        friction=ground.robot.vehicle.friction,
         timestep_ms=1e3 * timestep,
         warnings=sum(trace.warnings for trace in drives.all()),
         energy_gain_steps=sum(int((np.diff(energy) > ENERGY_GAIN).sum()) for energy in energies),
         largest_energy_gain_j=max(float(np.diff(energy).max()) for energy in energies),
-        turn_rate_over_theory=_turning(course.robot, drives.turns),
+        turn_rate_over_theory=_turning(ground.robot, drives.turns),
         heading_spread=_spread([_late(trace.yaw_rate) for trace in drives.headings]),
         cornering=tuple(_corner(*asked, trace) for asked, trace in drives.corners.items()),
-        collision=_collision(course.robot, drives.collisions),
+        collision=_collision(ground.robot, drives.collisions),
         **_straight(drives.launch),
         **_stopping(drives.brake, drives.coast),
         **_airborne(drives),
         **_slopes(drives.uphill, drives.across),
-        **_motors(course.robot, drives.launch),
+        **_motors(ground.robot, drives.launch),
     )
     return DriveReport(
         conditions=conditions,
-        robot=course.robot,
+        robot=ground.robot,
         figures=figures,
         launch=drives.launch,
         brake=drives.brake,
         corners=drives.corners,
-        resting_energy=float(course.energy(drives.launch)[0]),
+        resting_energy=float(ground.energy(drives.launch)[0]),
         energy=tuple((slide.time, energy) for slide, energy in zip(drives.slides, energies, strict=True)),
         collisions=tuple(drives.collisions),
     )
 
 
-def _drives(course: Course, level: Conditions, timestep: float) -> _Drives:
+def _drives(ground: ProvingGround, level: Conditions, timestep: float) -> _Drives:
     """Runs all manoeuvres."""
-    vehicle, rolling = course.robot.vehicle, (ROLLING_SPEED, 0.0, 0.0)
+    vehicle, rolling = ground.robot.vehicle, (ROLLING_SPEED, 0.0, 0.0)
     # What motors and tyres can do says how long a manoeuvre has to be observed.
     force = min(4.0 * vehicle.torque_limit / vehicle.wheel_radius, vehicle.friction * vehicle.mass * GRAVITY)
     acceleration = force / vehicle.effective_mass
@@ -190,38 +190,39 @@ def _drives(course: Course, level: Conditions, timestep: float) -> _Drives:
     turns = [sign * speed for speed in TURN_SPEEDS for sign in (1.0, -1.0)]
     angles = np.arange(HEADINGS) * math.tau / HEADINGS
     slopes = {
-        slope: Course(replace(level, slope=slope), timestep) for slope in (*GENTLE_SLOPES, *SLOPES, *STEEP_SLOPES)
+        slope: ProvingGround(replace(level, slope=slope), timestep)
+        for slope in (*GENTLE_SLOPES, *SLOPES, *STEEP_SLOPES)
     }
     return _Drives(
-        launch=course.run(min(_LONGEST, 5.0 * no_load / acceleration), FULL_SPEED, FULL_TORQUE),
-        brake=course.run(min(_LONGEST, 0.5 + 1.5 * ROLLING_SPEED / acceleration), 0.0, motion=rolling),
-        coast=course.run(min(_LONGEST, decay), None, motion=rolling),
-        turns={speed: course.run(3.0, speed * TURNING) for speed in turns},
-        headings=[course.run(2.0, TURN_SPEEDS[1] * TURNING, heading=float(angle)) for angle in angles],
+        launch=ground.run(min(_LONGEST, 5.0 * no_load / acceleration), FULL_SPEED, FULL_TORQUE),
+        brake=ground.run(min(_LONGEST, 0.5 + 1.5 * ROLLING_SPEED / acceleration), 0.0, motion=rolling),
+        coast=ground.run(min(_LONGEST, decay), None, motion=rolling),
+        turns={speed: ground.run(3.0, speed * TURNING) for speed in turns},
+        headings=[ground.run(2.0, TURN_SPEEDS[1] * TURNING, heading=float(angle)) for angle in angles],
         corners={
-            (speed, difference): course.run(
-                6.0, speed / course.rolling_radius + difference / 2.0 * TURNING, motion=(speed, 0.0, 0.0)
+            (speed, difference): ground.run(
+                6.0, speed / ground.rolling_radius + difference / 2.0 * TURNING, motion=(speed, 0.0, 0.0)
             )
             for speed in CORNER_SPEEDS
             for difference in CORNER_DIFFERENCES
         },
-        slides=[course.run(4.0, None, motion=motion) for motion in SLIDES],
+        slides=[ground.run(4.0, None, motion=motion) for motion in SLIDES],
         uphill={slope: one.run(2.0, 0.0) for slope, one in slopes.items()},
         across={slope: slopes[slope].run(2.0, 0.0, heading=math.pi / 2.0) for slope in SLOPES},
-        collisions=_collide(Course(level, timestep, robots=2), timestep),
+        collisions=_collide(ProvingGround(level, timestep, robots=2), timestep),
     )
 
 
-def _collide(course: Course, timestep: float) -> list[Trace]:
+def _collide(ground: ProvingGround, timestep: float) -> list[Trace]:
     """Drives two robots head-on, with the hulls meeting at different phases of a physics step."""
     traces = []
     for phase in range(COLLISION_PHASES):
         # Before a contact is seen, the hulls may already overlap by what they close in one step.
-        apart = course.robot.vehicle.length + 0.6 + phase / COLLISION_PHASES * 2.0 * COLLISION_SPEED * timestep
+        apart = ground.robot.vehicle.length + 0.6 + phase / COLLISION_PHASES * 2.0 * COLLISION_SPEED * timestep
         traces.append(
-            course.run(
+            ground.run(
                 1.0,
-                COLLISION_SPEED / course.rolling_radius,
+                COLLISION_SPEED / ground.rolling_radius,
                 motion=(COLLISION_SPEED, 0.0, 0.0),
                 heading=(0.0, math.pi),
                 start=((-apart / 2.0, 0.0), (apart / 2.0, 0.0)),

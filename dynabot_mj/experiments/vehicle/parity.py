@@ -6,7 +6,7 @@ import numpy as np
 
 from dynabot_mj.common.arrays import Array, rms
 from dynabot_mj.controllers.design import planar_model
-from dynabot_mj.experiments.vehicle.course import TURNING, Course
+from dynabot_mj.experiments.vehicle.proving_ground import TURNING, ProvingGround
 from dynabot_mj.plants import scene
 
 
@@ -34,7 +34,7 @@ def parity(conditions: scene.Conditions = scene.NOMINAL) -> Parity:
         conditions: Which robot, its payload and the friction.
     """
     step = 0.005
-    course, vehicle = Course(conditions, step), scene.read_robot(conditions).vehicle
+    ground, vehicle = ProvingGround(conditions, step), scene.read_robot(conditions).vehicle
     drives: dict[str, tuple[float, float, Array, float]] = {
         "launch": (4.0, 0.0, np.full(4, 200.0), 2.0),
         "brake": (1.5, 5.0, np.zeros(4), 0.0),
@@ -48,7 +48,7 @@ def parity(conditions: scene.Conditions = scene.NOMINAL) -> Parity:
     theirs: list[Array] = []
     end: list[float] = []
     for duration, speed, command, torque in drives.values():
-        trace = course.run(duration, command, torque, motion=(speed, 0.0, 0.0))
+        trace = ground.run(duration, command, torque, motion=(speed, 0.0, 0.0))
         start = np.array([0.0, 0.0, 0.0, speed, 0.0, 0.0, *[speed / vehicle.wheel_radius] * 4])
         count = len(trace.time)
         states = planar_model.simulate(start, np.tile(command, (count, 1)), np.full((count, 4), torque), step, vehicle)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from dynabot_mj.controllers.design import planar_model
 from dynabot_mj.controllers.design.planar_model import STATES
 from dynabot_mj.controllers.traction import SIDES
-from dynabot_mj.experiments.vehicle.course import TURNING, Course
+from dynabot_mj.experiments.vehicle.proving_ground import TURNING, ProvingGround
 from dynabot_mj.plants import scene
 
 PERIOD = 0.02
@@ -151,11 +151,11 @@ def test_places_and_headings_do_not_matter(functions):
     ],
 )
 def test_it_drives_like_the_rigid_body(robot, duration, speed, difference, torque, rolling):
-    course, count = Course(scene.NOMINAL, 0.002), round(duration / PERIOD) - 1
+    ground, count = ProvingGround(scene.NOMINAL, 0.002), round(duration / PERIOD) - 1
     command = speed + difference / 2.0 * TURNING
-    trace = course.run(duration, command, torque, motion=(rolling, 0.0, 0.0))
+    trace = ground.run(duration, command, torque, motion=(rolling, 0.0, 0.0))
     at = round(PERIOD / 0.002) * np.arange(1, count + 1)
-    start = state(vx=rolling, wheels=rolling / course.rolling_radius)
+    start = state(vx=rolling, wheels=rolling / ground.rolling_radius)
     found = planar_model.simulate(
         start, np.tile(np.broadcast_to(command, 4), (count, 1)), np.full((count, 4), torque), PERIOD, robot
     )

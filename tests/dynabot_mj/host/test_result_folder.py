@@ -17,9 +17,9 @@ def contents(command="study", **options):
 
 
 def write(folder, kind=None, *, keep=True, **files):
-    with result_folder.opened(folder, kind or contents(seed=0), keep=keep) as opened, opened.staged() as stage:
+    with result_folder.opened(folder, kind or contents(seed=0), keep=keep) as opened, opened.drafted() as draft:
         for name, text in files.items():
-            (stage / name.replace("_txt", ".txt")).write_text(text)
+            (draft / name.replace("_txt", ".txt")).write_text(text)
 
 
 def visible(folder):
@@ -30,8 +30,8 @@ def test_results_appear_only_when_all_are_complete(tmp_path):
     write(tmp_path, a_txt="old")
 
     def interrupted():
-        with result_folder.opened(tmp_path, contents(seed=0), keep=True) as opened, opened.staged() as stage:
-            (stage / "a.txt").write_text("half")
+        with result_folder.opened(tmp_path, contents(seed=0), keep=True) as opened, opened.drafted() as draft:
+            (draft / "a.txt").write_text("half")
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

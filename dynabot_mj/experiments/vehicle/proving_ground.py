@@ -1,4 +1,4 @@
-"""The test course: robots on the compiled model, their motors commanded directly, every step of it recorded.
+"""The proving ground: robots on the compiled model, their motors commanded directly, every step of it recorded.
 
 There are no local laws here. A manoeuvre starts with the robots resting on their tyres, standing or rolling, and leaves
 a trace: the states at the beginning of each physics step with the torques and contacts that act in it.
@@ -74,7 +74,7 @@ class Trace:
         return self.qvel[..., 6:]
 
 
-class Course:
+class ProvingGround:
     """A field with n robots that rest on their tyres at the start of each manoeuvre."""
 
     def __init__(self, conditions: Conditions, timestep: float, robots: int = 1) -> None:
