@@ -1,6 +1,5 @@
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from dynabot_mj.film import film, take
@@ -8,6 +7,7 @@ from dynabot_mj.film.shot import OVERLAYS, Shot
 from dynabot_mj.study import configuration
 
 SMALL = {"width": 480, "height": 272, "rate": 10.0}
+K = 30  # a frame in the middle of the film
 
 
 @pytest.fixture(scope="session")
@@ -21,16 +21,8 @@ def taken(setup):
     return take.take(setup, Shot(**SMALL), beside=True)
 
 
-K = 30  # a frame in the middle of the film
-
-
 def picture(taken, k=K, only=None, **changes):
     overlays = frozenset(OVERLAYS if only is None else only)
     shot = replace(Shot(**SMALL), overlays=overlays, **changes)
     with film.opened(taken, shot) as drawn:
         return drawn.frame(k).astype(int)
-
-
-def red(seen):
-    """Returns which pixels have the colour of what was lost."""
-    return np.abs(seen - np.array([219, 13, 13])).max(axis=-1) < 25

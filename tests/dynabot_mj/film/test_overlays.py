@@ -8,7 +8,7 @@ import pytest
 from dynabot_mj.film import film
 from dynabot_mj.film.shot import OVERLAYS, Shot
 
-from .conftest import SMALL, K, picture, red
+from .conftest import SMALL, K, picture
 
 pytestmark = pytest.mark.usefixtures("graphics")
 
@@ -47,6 +47,11 @@ def with_messages(taken, *, arrives_at, lost):
         lost=np.array([[False, False, lost]]),
     )
     return replace(taken, recording=replace(one, messages=messages))
+
+
+def red(seen):
+    """Returns which pixels have the colour of what was lost."""
+    return np.abs(seen - np.array([219, 13, 13])).max(axis=-1) < 25
 
 
 def test_a_message_flashes_when_it_arrives_and_a_lost_one_is_red(taken):

@@ -5,7 +5,7 @@ import pytest
 
 from dynabot_mj.common.streams import Draws, Purpose
 from dynabot_mj.estimation.gauss_markov import Component
-from dynabot_mj.perception.surrogates import ErrorSequence, GaussMarkovPerception, PerfectPerception
+from dynabot_mj.perception.surrogates import ErrorSequence, FittedPerception, GaussMarkovPerception, PerfectPerception
 from dynabot_mj.plants.plant import FleetState
 
 ZERO = np.zeros((300, 3, 2))
@@ -64,3 +64,27 @@ def test_a_sequence_has_the_statistics_of_its_components():
     assert (errors[5] ** 2).mean() == pytest.approx(variance, abs=bound)
     expected = math.exp(-5.0) + 0.25 * math.exp(-0.25)
     assert (errors[0] * errors[5]).mean() == pytest.approx(expected, abs=bound)
+
+
+def test_fitted_errors_are_of_position_velocity_and_the_heading_that_local_laws_use():
+    def of(*deviations):
+        return [Component(deviation=one, time=1.0) for one in deviations]
+
+    perception = FittedPerception(of(0.3, 0.4), of(0.2), of(0.1), 0.036, 3, 0, range(300))
+    assert not perception.navigation_error(0.0).heading.any()  # nothing has been sampled yet
+    belief, wrong = perception.observe(STATE, EVERYBODY), perception.navigation_error(0.0)
+    # 1,800 and 900 independent errors: 4.5 standard deviations of the mean of their squares.
+    for error, variance in (
+        (belief.position_w - STATE.position_w, 0.25),
+        (belief.velocity_w - STATE.velocity_w, 0.04),
+        (wrong.heading, 0.01),
+    ):
+        assert (error**2).mean() == pytest.approx(variance, rel=4.5 * math.sqrt(2.0 / error.size))
+    np.testing.assert_allclose(belief.position_covariance, np.broadcast_to(0.25 * np.eye(2), (300, 3, 2, 2)))
+    assert not wrong.yaw_rate.any()
+    assert wrong.acceleration_b is None
+
+
+def test_ideal_local_laws_are_told_of_no_error():
+    for perception in (PerfectPerception(), GaussMarkovPerception(1.1, 0.08, 0.036, 3, 0, range(300))):
+        assert perception.navigation_error(0.0) is None
