@@ -1,4 +1,4 @@
-"""Every path that the documents name is there, and every module named in the layout."""
+"""Every path that the documents name is there, every module named in the layout, and a test of every module."""
 
 import re
 from pathlib import Path
@@ -9,6 +9,19 @@ ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 # Paths below these folders; results, and what users are told to make, are not ours.
 PATH = re.compile(r"(?<![\w/.])((?:docs|dynabot_mj|models|controllers|estimation|tests)/[\w/.-]*\w)")
+# Modules without tests of their own: they state types, constants and fields, and nothing that could be wrong by itself.
+UNTESTED = {
+    "controllers/arrays",
+    "controllers/law",
+    "dynabot_mj/__main__",
+    "dynabot_mj/formation/leader",
+    "dynabot_mj/formation/options",
+    "dynabot_mj/plants/options",
+    "dynabot_mj/plants/plant",
+    "dynabot_mj/testbed/options",
+    "estimation/arrays",
+    "estimation/parameters",
+}
 MODULE = re.compile(r"`(dynabot_mj(?:\.\w+)+)`?")
 
 
@@ -42,3 +55,17 @@ def test_every_room_of_the_layout_is_there():
     named = {one or other for one, other in rooms}
     folders = {path.name for path in (ROOT / "dynabot_mj").iterdir() if (path / "__init__.py").is_file()}
     assert folders - {"models", "controllers", "estimation"} <= named | {"formation", "estimators", "vehicle"}, named
+
+
+def test_every_module_has_a_test_file_of_its_name_or_nothing_to_test():
+    # The leaves where they are, not where they are linked: links are not followed.
+    modules = [
+        file.relative_to(ROOT).with_suffix("")
+        for folder in ("controllers", "dynabot_mj", "estimation", "models")
+        for file in (ROOT / folder).rglob("*.py")
+        if file.stem != "__init__"
+    ]
+    assert len(modules) > 100  # it did look
+    tests = ROOT / "tests"
+    without = {one.as_posix() for one in modules if not (tests / one.parent / f"test_{one.name}.py").is_file()}
+    assert without == UNTESTED

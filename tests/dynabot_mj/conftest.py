@@ -9,8 +9,12 @@ from pathlib import Path
 import pytest
 
 from dynabot_mj import cli, study
+from dynabot_mj.experiments.estimators import circle, estimate, kinematic
 from dynabot_mj.host import opengl
 from dynabot_mj.report import material
+from dynabot_mj.sensing import replay
+from dynabot_mj.sensing.logs import log
+from dynabot_mj.sensing.options import SensorOptions, WheelErrors
 from dynabot_mj.study import configuration
 
 
@@ -83,6 +87,50 @@ def small_report():
         )
         patch.setattr(material, "_SHOT", replace(material._SHOT, width=480, height=270, rate=4.0, samples=0))
         yield
+
+
+@pytest.fixture
+def small_tuning(monkeypatch):
+    """Makes all of a tuning small: the same work, on fewer and shorter courses."""
+    for name, value in {
+        "COURSES": 2,
+        "DURATION": 2.0,
+        "HELD_OUT": 3,
+        "FRICTIONS": (0.75,),
+        "PAYLOADS": (0.0,),
+        "PERIODS": (0.036,),
+        "_ITERATIONS": 4,
+    }.items():
+        monkeypatch.setattr(f"dynabot_mj.experiments.vehicle.tune_traction.{name}", value)
+
+
+@pytest.fixture(scope="session")
+def recorded():
+    """Returns the log of a vehicle that drives around a circle."""
+
+    def record(duration, *faults):
+        truth = kinematic.follow("circle", 1, 5, duration, 0.018)
+        return log.from_run(replay.record(truth, SensorOptions(faults=faults), 0.036, 5), truth, 0, WheelErrors())
+
+    return record
+
+
+@pytest.fixture(scope="session")
+def driven(recorded):
+    """A log of nine seconds."""
+    return recorded(9.0)
+
+
+@pytest.fixture(scope="session")
+def replayed(driven):
+    """What the estimators make of it."""
+    return estimate.run("log.csv", driven)
+
+
+@pytest.fixture(scope="session")
+def circled():
+    """The tether experiment as short as it may be."""
+    return circle.run(circle.request({}, runs=2, duration=30.0))
 
 
 @pytest.fixture(scope="session")

@@ -1,18 +1,9 @@
 import numpy as np
 import pytest
 
-from dynabot_mj.formation.metrics import Formation, polygon_radius, restricted, settling_time, trailing_mean
+from dynabot_mj.formation.metrics import polygon_radius, restricted, settling_time, trailing_mean
 
-FORMATION = Formation(
-    well_radius=3.0,
-    spacing=np.sqrt(27.0),
-    width=1.0,
-    settling_band=0.5,
-    tolerance=1.1,
-    collision_distance=0.4,
-    length=0.5,
-    breadth=0.49,
-)
+from .conftest import FORMATION
 
 
 def test_settling_of_an_exponential_approach():

@@ -1,14 +1,10 @@
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from dynabot_mj.common.streams import Draws, Purpose
-from dynabot_mj.estimation.gauss_markov import Component
 from dynabot_mj.perception.belief import certain
 from dynabot_mj.perception.error_statistics import LAGS, ErrorRecorder, components
-from dynabot_mj.perception.surrogates import ErrorSequence
 from dynabot_mj.plants.plant import FleetState, NavigationError
 
 PERIOD = 0.0625
@@ -105,19 +101,3 @@ def test_components_are_found_in_an_exact_autocovariance(made):
 def test_no_error_has_no_components():
     assert components(np.array(LAGS), np.zeros(len(LAGS))) == []
     assert components(np.array(LAGS), np.full(len(LAGS), np.nan)) == []
-
-
-def test_a_sequence_has_the_statistics_of_its_components():
-    made = [Component(deviation=1.0, time=0.1), Component(deviation=0.5, time=2.0)]
-    trials = 400
-    draws = Draws(0, range(trials), Purpose.FITTED_POSITION, (3, 2, 2), normal=True)
-    sequence = ErrorSequence(made, 0.1, (trials, 3, 2), draws)
-    due = np.ones((trials, 3), dtype=bool)
-    errors = np.stack([sequence.next(due) for _ in range(6)])
-    variance = 1.25
-    # 2,400 independent errors: 4.5 standard deviations of the mean of their squares and products.
-    bound = 4.5 * variance * math.sqrt(2.0 / 2400)
-    assert (errors[0] ** 2).mean() == pytest.approx(variance, abs=bound)
-    assert (errors[5] ** 2).mean() == pytest.approx(variance, abs=bound)
-    expected = math.exp(-5.0) + 0.25 * math.exp(-0.25)
-    assert (errors[0] * errors[5]).mean() == pytest.approx(expected, abs=bound)

@@ -4,17 +4,8 @@ import pytest
 from dynabot_mj.formation.starts import starts
 from dynabot_mj.study import assembly, configuration, fleet, scenario
 from dynabot_mj.study.assembly import simulate
-from dynabot_mj.study.scenario import Case, Scenario
-from dynabot_mj.trial import judge
 
-
-def case(plant, estimator, perception="gauss-markov"):
-    return Case(plant=plant, estimator=estimator, perception=None if estimator == "perfect" else perception)
-
-
-def run(plant, estimator, numbers, recorded=0, perception="gauss-markov", **options):
-    setup = configuration.build({"plants": [plant]}, **options)
-    return simulate(setup, case(plant, estimator, perception), numbers, recorded=recorded)
+from .conftest import case, run
 
 
 # The golden numbers are means over the first trials of seed 0. The tolerances leave room for another processor's last
@@ -35,61 +26,12 @@ def test_golden_run_of_the_rigid_bodies():
     np.testing.assert_array_equal(outcome.hull_contact, 0.0)
 
 
-def test_point_masses_have_neither_hulls_nor_wheels():
-    outcome = run("particle", "perfect", range(2), duration=2.0)
-    assert np.isnan(outcome.hull_contact).all()
-    assert np.isnan(outcome.wheel_slip).all()
-
-
 @pytest.mark.parametrize("plant", ["particle", "rigid"])
 def test_a_trial_depends_on_its_number_alone(plant):
     together = run(plant, "gps", range(6), recorded=6, duration=5.0)
     alone = run(plant, "gps", [4], recorded=1, duration=5.0)
     np.testing.assert_array_equal(together.trajectory_w[4], alone.trajectory_w[0])
     np.testing.assert_array_equal(together.scores.closest[4], alone.scores.closest[0])
-
-
-def test_trajectory_covers_the_run_from_start_to_end():
-    outcome = run("particle", "coupled", range(2), recorded=1, duration=10.0)
-    assert outcome.time[0] == 0.0
-    assert outcome.time[-1] == pytest.approx(10.0)
-    assert np.isfinite(outcome.trajectory_w).all()
-    np.testing.assert_allclose(outcome.trajectory_w[0, -1], outcome.final_position_w[0], atol=1e-9)
-
-
-def test_mean_message_age_is_sampling_period_and_latency():
-    # A message arrives 33 + k_m radio ticks after it was sampled, 23.9 ms on average. With T = 27 ms it is used at the
-    # next event unless k_m > 8, so its age is 27 ms and a little; one lost message in 375 adds a period.
-    for estimator, age in (("gps", 28e-3), ("decoupled", 36.5e-3), ("coupled", 156.5e-3)):
-        measured = run("particle", estimator, range(20), duration=20.0).message_age.mean()
-        assert measured == pytest.approx(age, abs=1e-3)
-    np.testing.assert_array_equal(run("particle", "perfect", range(2), duration=2.0).message_age, 0.0)
-
-
-def test_clocks_of_their_own_shorten_the_age_of_the_slow_estimators_messages():
-    # With phases of 0, 52 and 104 of 156 ms, a robot acts 52 ms after one of the others sampled and 104 ms after the
-    # other, and practically no latency exceeds 52 ms: 78 ms on average, against 156 ms on a common clock. A lost
-    # message adds a period: 0.267 % of 156 ms.
-    phase, setup = np.array([0, 52, 104]), configuration.build({}, duration=20.0)
-    outcome = simulate(setup, case("particle", "coupled"), range(20), phase=phase)
-    assert outcome.message_age.mean() == pytest.approx(0.0784, abs=1e-3)
-    alone = simulate(setup, case("particle", "coupled"), [7], phase=phase)
-    np.testing.assert_array_equal(alone.final_position_w[0], outcome.final_position_w[7])
-
-
-@pytest.mark.parametrize("plant", ["particle", "rigid"])
-def test_settling_sees_every_control_event_and_the_end(plant, monkeypatch):
-    seen = []
-
-    class Spy(judge.Scorer):
-        def control(self, state):
-            super().control(state)
-            seen.append(state.time)
-
-    monkeypatch.setattr(judge, "Scorer", Spy)
-    setup = configuration.load("[method.gps]\nsample_period = 0.027\ncontrol_period = 0.054", "test", duration=1.0)
-    simulate(setup, case(plant, "gps"), [0])
-    np.testing.assert_allclose(seen, [*np.arange(0.0, 1.0, 0.054), 1.0], atol=1e-9)
 
 
 def test_the_command_is_held_for_the_control_period(monkeypatch):
@@ -108,25 +50,12 @@ def test_the_command_is_held_for_the_control_period(monkeypatch):
     assert len(np.unique(values)) == 10
 
 
-def test_footprints_are_the_hulls_with_their_margin_and_the_method_sets_the_tolerance():
-    setup = Scenario()
-    shape = assembly.formation(setup, "gps")
-    assert (shape.length, shape.breadth, shape.tolerance, shape.settling_band) == pytest.approx((0.52, 0.51, 3.5, 0.5))
-
-
 def test_a_particle_loop_that_blows_up_is_reported():
     # c T / m = 2.5: the velocity changes its sign and grows at every event.
     setup = configuration.build({"field": {"dissipation": 3000.0}}, duration=20.0)
     outcome = simulate(setup, case("particle", "perfect"), range(2))
     assert outcome.diverged.all()
     assert np.isfinite(outcome.final_position_w).all()
-
-
-@pytest.mark.slow
-def test_long_runs_keep_their_last_sample():
-    outcome = run("particle", "coupled", [0], recorded=1, duration=1600.0)
-    assert outcome.time[-1] == pytest.approx(1600.0)
-    assert np.isfinite(outcome.trajectory_w).all()
 
 
 def test_sampled_loop_at_the_wells_wall_is_stable_up_to_the_exact_gain_margin():
@@ -257,14 +186,6 @@ def test_the_velocity_of_the_dissipation_is_chosen(source):
     }
     assert np.isfinite(outcomes[source]).all()
     assert (outcomes[source] == outcomes["truth"]).all() == (source == "truth")
-
-
-def test_by_default_the_velocity_is_true_where_it_is_exact():
-    setup = Scenario()
-    assert scenario.velocity(setup, case("rigid", "perfect")) == "truth"
-    assert scenario.velocity(setup, case("rigid", "gps")) == "truth"
-    assert scenario.velocity(setup, case("particle", "gps", "filter")) == "estimate"
-    assert scenario.velocity(setup, case("rigid", "gps", "fitted")) == "estimate"
 
 
 def test_filters_work_with_clocks_of_their_own():

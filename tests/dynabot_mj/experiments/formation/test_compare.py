@@ -1,10 +1,9 @@
 import json
 
-import numpy as np
 import pytest
 
 from dynabot_mj import study
-from dynabot_mj.experiments.formation import case_rows, compare, compare_tables, in_loop
+from dynabot_mj.experiments.formation import compare, compare_tables
 from dynabot_mj.study import configuration
 
 
@@ -53,49 +52,3 @@ def test_tables_line_up_and_show_the_paper_beside_what_reproduces_it(dataset):
 def test_cases_that_are_too_short_to_arrive_are_told(dataset):
     line = compare.late(compare.compared(dataset))
     assert line.startswith("not arrived within 14 s: 100 % of particle/perfect, 100 % of rigid/perfect")
-
-
-def test_bodies_on_a_slope_beside_point_masses_on_the_level_are_told():
-    sloped = study.run(configuration.build({}, trials=1, duration=1.0, estimators=["gps"], slope=0.05))
-    text = compare_tables.markdown(compare.compared(sloped))
-    assert "Bodies drive on a slope of 0.05; point masses know no ground." in text
-
-
-@pytest.fixture(scope="module")
-def perceptions():
-    return study.run(
-        configuration.build(
-            {"perception": ["gauss-markov", "filter", "fitted"]},
-            trials=2,
-            duration=2.0,
-            estimators=["perfect", "decoupled"],
-            plants=["particle", "rigid"],
-        )
-    )
-
-
-def test_errors_in_the_loop_are_measured_and_can_be_imitated(perceptions):
-    by_case = {row.perception: row.estimate_error for row in case_rows.rows(perceptions) if row.plant == "rigid"}
-    assert by_case[None] is None
-    # Table II's 1.1 m is that of the planar distance; six robots' means over 2 s scatter by about 10 %.
-    assert by_case["gauss-markov"].position_rms_m == pytest.approx(1.1 / np.sqrt(2.0), rel=0.3)
-    assert by_case["gauss-markov"].heading_rms_deg is None
-    assert by_case["filter"].heading_rms_deg > 0.5
-    written = in_loop.fitted_toml(perceptions)
-    setup = configuration.load(written, "the written table", trials=1, perception=["fitted"])
-    assert setup.fitted.seed == perceptions.attrs["seed"]
-    deviation = np.sqrt(sum(one.deviation**2 for one in setup.fitted.decoupled.position))
-    measured = next(row for row in case_rows.rows(perceptions) if row.perception == "filter")  # of the first plant
-    assert deviation == pytest.approx(measured.estimate_error.position_rms_m, rel=0.1)
-
-
-def test_tables_of_several_perceptions_tell_interactions_and_equivalence(perceptions):
-    text = compare_tables.markdown(compare.compared(perceptions))
-    assert "| decoupled | particle/gauss-markov - particle/filter |" in text
-    assert "truth (gauss-markov), estimate (filter), estimate (fitted)" in text
-    assert "Does the body matter more with one perception?" in text
-    assert "fitted on seed 0, this very one: judge it on another." in text
-
-
-def test_a_study_without_filters_has_none_to_imitate(dataset):
-    assert in_loop.fitted_toml(dataset) is None

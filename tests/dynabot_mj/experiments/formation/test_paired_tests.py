@@ -2,10 +2,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from dynabot_mj import study
 from dynabot_mj.common import intervals
 from dynabot_mj.experiments.formation import measures, paired_tests
-from dynabot_mj.study import configuration
 
 MEASURED = tuple(paired_tests.margins(80.0))
 
@@ -14,18 +12,6 @@ def many(study_, times):
     """The trials of a study several times over."""
     repeated = xr.concat([study_] * times, "trial", data_vars="minimal")
     return repeated.assign_coords(trial=np.arange(repeated.sizes["trial"]))
-
-
-@pytest.fixture(scope="module")
-def perceptions():
-    return study.run(
-        configuration.build(
-            {"perception": ["gauss-markov", "filter", "fitted"]},
-            trials=2,
-            duration=1.0,
-            estimators=["perfect", "gps", "coupled"],
-        )
-    )
 
 
 def test_cases_are_paired_that_differ_in_one_factor_and_perfect_is_no_choice(perceptions):
@@ -37,7 +23,7 @@ def test_cases_are_paired_that_differ_in_one_factor_and_perfect_is_no_choice(per
     assert sum(factor == "estimator" for factor, *_ in pairs) == 2 * 3
     assert ("plant", "particle/perfect", "rigid/perfect") in pairs
     assert ("perception", "rigid/gauss-markov/gps", "rigid/filter/gps") in pairs
-    assert ("estimator", "rigid/filter/gps", "rigid/filter/coupled") in pairs
+    assert ("estimator", "rigid/filter/gps", "rigid/filter/decoupled") in pairs
 
 
 def test_differences_are_of_the_same_trials_particle_minus_rigid(dataset):
@@ -105,7 +91,7 @@ def test_equivalence_needs_the_whole_interval_within_the_margin(perceptions):
     assert found["particle"].equivalent is True
     assert found["rigid"].equivalent is False
     assert found["rigid"].margin == 1.0
-    # Nobody arrives or forms within a second, which is no proof of anything; nor are two trials.
+    # Nobody arrives or forms within two seconds, which is no proof of anything; nor are two trials.
     for study_, metrics_ in ((many(perceptions, 6), ("arrival_s", "time_to_formation_s")), (perceptions, MEASURED)):
         judged = [one for one in paired_tests.equivalences(study_) if one.metric in metrics_]
         assert judged

@@ -1,45 +1,16 @@
-import json
 from dataclasses import replace
 
 import pytest
 
-from dynabot_mj import cli
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.controllers import gains
-from dynabot_mj.controllers.design import design_model, tuning
-from dynabot_mj.experiments.vehicle import manoeuvres, tune_traction, tune_traction_report
+from dynabot_mj.controllers.design import tuning
+from dynabot_mj.experiments.vehicle import manoeuvres, tune_traction
 from dynabot_mj.experiments.vehicle.tune_traction import TuningRequest
 from dynabot_mj.figures import tracking
 
 
-@pytest.fixture
-def small(monkeypatch):
-    """Makes everything small: the same work, on fewer and shorter courses."""
-    for name, value in {
-        "COURSES": 2,
-        "DURATION": 2.0,
-        "HELD_OUT": 3,
-        "FRICTIONS": (0.75,),
-        "PAYLOADS": (0.0,),
-        "PERIODS": (0.036,),
-        "_ITERATIONS": 4,
-    }.items():
-        monkeypatch.setattr(tune_traction, name, value)
-
-
-def test_a_tuning_leaves_gains_verdict_and_figures(small, tmp_path, capsys):
-    assert cli.main(["tune", "traction", "--out", str(tmp_path), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
-    assert document["provenance"]["cost_after"] < document["provenance"]["cost_before"]
-    assert {"tuning.json", "tuning.md", "tuning.png", "parity.png"} <= {file.name for file in tmp_path.iterdir()}
-    adopted = document["provenance"]["adopted"]
-    file = tmp_path / ("gains.toml" if adopted else "not_adopted.toml")
-    assert gains.load(str(file)).hand_point.offset == document["gains"]["hand_point"]["offset"]
-    assert (tmp_path / "gains.toml").exists() == adopted
-    assert "adopted" in (tmp_path / "tuning.md").read_text()
-
-
-def test_gains_that_are_not_better_are_not_adopted(monkeypatch, small):
+def test_gains_that_are_not_better_are_not_adopted(monkeypatch, small_tuning):
     first = gains.load("first")
     spoilt = replace(first, traction=replace(first.traction, yaw_gain=0.3, scrub_torque=0.5))
     verdict = tune_traction.validate(TuningRequest(), first, spoilt)
@@ -51,38 +22,18 @@ def test_gains_that_are_not_better_are_not_adopted(monkeypatch, small):
     )
 
 
-def test_the_other_law_can_be_tuned(small):
+def test_the_other_law_can_be_tuned(small_tuning):
     result = tune_traction.run(TuningRequest(steering="heading"))
     assert result.solution.cost_after < result.solution.cost_before
     assert result.solution.gains.hand_point == gains.load("first").hand_point
     assert tracking.tuning(result).axes
 
 
-def test_courses_of_a_file_are_what_is_tuned_on(small, tmp_path):
+def test_courses_of_a_file_are_what_is_tuned_on(small_tuning, tmp_path):
     file = tmp_path / "courses.toml"
     file.write_text('[[manoeuvre]]\nkind = "circle"\nforce = 20.0\n')
     request = TuningRequest(courses=tuple(manoeuvres.load(file)))
     assert tune_traction.run(request).courses.force_w.shape == (1, 56, 2)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--period", "0"], "0.005 to 0.5 s"),
-        (["--friction", "9"], "0.05 to 1.5"),
-        (["--start", "none"], "one of: first, tuned"),
-        (["--model", "nowhere.xml"], "nowhere.xml"),
-        (["--courses", "nowhere.toml"], "nowhere.toml"),
-        (["--scenario", "nowhere.toml"], "--scenario is called --courses now"),
-        (["--seed", "-1"], "negative"),
-    ],
-)
-def test_nonsense_is_refused_before_any_work(arguments, message, tmp_path, capsys):
-    assert cli.main(["tune", "traction", "--out", str(tmp_path / "out"), *arguments]) == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1
-    assert not (tmp_path / "out").exists()
 
 
 def test_an_unknown_law_is_not_tuned():
@@ -107,10 +58,3 @@ def test_a_second_start_point_reaches_the_same_cost():
         assert solution.converged
         costs.append(solution.cost_after)
     assert costs[0] == pytest.approx(costs[1], rel=0.02)
-
-
-def test_a_gain_that_ended_at_its_bound_is_told():
-    low, high = design_model.BOUNDS["scrub_torque"]
-    assert tune_traction_report._bounds("scrub_torque", 0.5 * (low + high)) == f"{low:g} to {high:g}"
-    for value in (low, high - 1e-3):
-        assert tune_traction_report._bounds("scrub_torque", value) == f"{low:g} to {high:g}, at its bound"
