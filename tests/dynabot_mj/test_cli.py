@@ -203,6 +203,13 @@ def test_only_the_command_that_is_typed_is_imported():
     assert not {"matplotlib", "mujoco", "pydantic"} & found
 
 
+def test_a_back_end_that_is_not_there_stops_no_command_that_imports_mujoco_late(command):
+    line, environment = [command, "drive", "--model", "absent.xml"], {**os.environ, "MUJOCO_GL": "nonsense"}
+    done = subprocess.run(line, capture_output=True, text=True, check=False, env=environment)
+    assert done.returncode == 2
+    assert "it must be 'dynabot' or an MJCF file" in done.stderr
+
+
 def test_commands_are_listed_as_they_tell_themselves():
     files = {path.stem for path in Path(cli.__file__).with_name("commands").glob("*.py")}
     modules = {name: importlib.import_module(f"dynabot_mj.commands.{name}") for name in files}
