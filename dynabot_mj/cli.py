@@ -7,6 +7,7 @@ is all that a command prints on standard output; progress goes to standard error
 
 import argparse
 import errno
+import importlib
 import io
 import os
 import signal
@@ -16,28 +17,27 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from dynabot_mj import __version__
-from dynabot_mj.commands import (
-    benchmark,
-    circle,
-    compare,
-    doctor,
-    drive,
-    estimate,
-    parsers,
-    report,
-    run,
-    schedule,
-    track,
-    tune,
-    video,
-    view,
-)
+from dynabot_mj.commands import parsers
 from dynabot_mj.common import exceptions
 from dynabot_mj.common.exceptions import DynabotError, InputError
 from dynabot_mj.host import opengl
 
-# In the order of the help.
-_COMMANDS = (compare, run, video, view, report, circle, estimate, drive, tune, track, schedule, benchmark, doctor)
+# Their help, in its order: what their functions say, which are not imported to be listed.
+_COMMANDS = {
+    "compare": "Every estimator on both plants, the paper's Table III beside them.",
+    "run": "One trial of one case.",
+    "video": "One trial of one case as a video, drawn without a display.",
+    "view": "One trial of one case, watched: in MuJoCo's window where there is a display, else in the browser.",
+    "report": "A study as one page of HTML that needs no network, with its tables as CSV.",
+    "circle": "Uncertainty of the estimators on the paper's tether experiment: Table II and Fig. 3.",
+    "estimate": "Runs estimators over a recorded log of sensor samples.",
+    "drive": "Acceptance drive of the rigid robot, its motors commanded directly.",
+    "tune": "Tunes the local laws with CasADi, and judges the result in MuJoCo on courses that it was not tuned on.",
+    "track": "How well vehicles imitate particles, for each steering law and gain set.",
+    "schedule": "Shortest periods that the processor can keep, Eqs. 1-3.",
+    "benchmark": "What the estimators cost, in time and operations; the environment, against mj_step alone; or films.",
+    "doctor": "What works on this machine: OpenGL, video encoder, versions; and how to mend what does not.",
+}
 
 
 class _Parser(argparse.ArgumentParser):
@@ -64,6 +64,21 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{message} (see {self.prog} --help)")
+
+
+class _Command(_Parser):
+    """Stands for a sub-command until it is typed: only then is its file imported, and its own parser made."""
+
+    def __init__(self, *, command: str, **options: Any) -> None:
+        super().__init__(**options)
+        self._command, self._prefix = command, self.prog.removesuffix(f" {command}")
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Hands everything to the sub-command's own parser."""
+        opengl.import_unasked()  # commands import MuJoCo, some of them when they register already
+        commands = _Parser().add_subparsers(prog=self._prefix, parser_class=_Parser)
+        importlib.import_module(f"dynabot_mj.commands.{self._command}").add(commands)
+        return commands.choices[self._command].parse_known_args(args, namespace)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -157,8 +172,7 @@ def _parser() -> _Parser:
         prog="dynabot", description="Formation control under limited computation, on particles and rigid bodies."
     )
     parser.add_argument("--version", action="version", version=f"dynabot-mj {__version__}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
-    with opengl.unasked():  # what commands register imports MuJoCo
-        for command in _COMMANDS:
-            command.add(commands)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Command)
+    for name, told in _COMMANDS.items():
+        commands.add_parser(name, command=name, help=told)
     return parser

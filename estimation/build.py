@@ -30,6 +30,10 @@ def build(
         shape: Leading axes of the samples, e.g. (trials, robots).
         parameters: Assumed errors.
         implementation: All robots at once, or FilterPy's filters one robot at a time.
+
+    Example:
+        >>> dy.build_estimator("coupled", (10, 3)).filter.beliefs()["position_w"].shape  # of 10 trials x 3 robots
+        (30, 2)
     """
     count = math.prod(shape)
     match implementation:

@@ -60,7 +60,19 @@ class Filter(Protocol):
 
 
 class Estimator:
-    """A filter and its policy, for robots in any arrangement of leading axes."""
+    """A filter and its policy, for robots in any arrangement of leading axes; `build_estimator` makes one.
+
+    Example:
+        >>> one = np.ones(1)  # a single robot, at rest at (5, 0)
+        >>> imu = dy.ImuSample(
+        ...     period=0.036 * one, specific_force_b=np.zeros((1, 2)), yaw_rate=0.0 * one, magnetic_heading=0.0 * one
+        ... )
+        >>> fix = dy.GpsFix(
+        ...     received=one > 0, position_w=np.array([[5.0, 0.0]]), velocity_w=np.zeros((1, 2)), age=0.1 * one
+        ... )
+        >>> dy.build_estimator("decoupled", (1,)).step(imu, fix, due=one > 0).position_w
+        array([[5., 0.]])
+    """
 
     def __init__(self, filter: Filter, shape: tuple[int, ...], parameters: Parameters = DEFAULT) -> None:  # noqa: A002
         """Starts without a fix.

@@ -16,12 +16,29 @@ Chosen = int | npt.NDArray[np.intp] | BoolArray
 
 @dataclass(frozen=True, kw_only=True)
 class ImuSample:
-    """An inertial unit's averages over the period that ends now, and its magnetic heading now."""
+    """An inertial unit's averages over the period that ends now, and its magnetic heading now.
 
-    period: Array  # (...) that the averages are over; 0: none has passed yet [s]
-    specific_force_b: Array  # (..., 2) ahead and to the left [m/s^2]
-    yaw_rate: Array  # (...) [rad/s]
-    magnetic_heading: Array  # (...) magnetic, from the world's x axis [rad]
+    Attributes:
+        period: (...) that the averages are over; 0: none has passed yet [s].
+        specific_force_b: (..., 2) ahead and to the left [m/s^2].
+        yaw_rate: (...) [rad/s].
+        magnetic_heading: (...) magnetic, from the world's x axis [rad].
+
+    Example:
+        >>> imu = dy.ImuSample(
+        ...     period=np.full(3, 0.036),
+        ...     specific_force_b=np.zeros((3, 2)),
+        ...     yaw_rate=np.zeros(3),
+        ...     magnetic_heading=np.array([0.0, np.nan, 1.0]),  # the second robot's is missing
+        ... )
+        >>> imu.at(2).magnetic_heading.item()
+        1.0
+    """
+
+    period: Array
+    specific_force_b: Array
+    yaw_rate: Array
+    magnetic_heading: Array
 
     def at(self, chosen: Chosen) -> "ImuSample":
         """Returns one of the first leading axis, or several of them."""
@@ -35,12 +52,29 @@ class ImuSample:
 
 @dataclass(frozen=True, kw_only=True)
 class GpsFix:
-    """The fix that has arrived since the last sample, where one has."""
+    """The fix that has arrived since the last sample, where one has.
 
-    received: BoolArray  # (...) whether one has; elsewhere the rest means nothing
-    position_w: Array  # (..., 2) [m]
-    velocity_w: Array  # (..., 2) [m/s]
-    age: Array  # (...) since the time stamped on it [s]
+    Attributes:
+        received: (...) whether one has; elsewhere the rest means nothing.
+        position_w: (..., 2) [m].
+        velocity_w: (..., 2) [m/s].
+        age: (...) since the time stamped on it [s].
+
+    Example:
+        >>> fix = dy.GpsFix(
+        ...     received=np.array([True, False]),
+        ...     position_w=np.array([[5.0, 0.0], [np.nan, np.nan]]),
+        ...     velocity_w=np.zeros((2, 2)),
+        ...     age=np.array([0.1, np.nan]),
+        ... )
+        >>> fix.at(fix.received).position_w
+        array([[5., 0.]])
+    """
+
+    received: BoolArray
+    position_w: Array
+    velocity_w: Array
+    age: Array
 
     def at(self, chosen: Chosen) -> "GpsFix":
         """Returns one of the first leading axis, or several of them."""

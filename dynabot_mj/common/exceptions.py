@@ -11,19 +11,47 @@ if TYPE_CHECKING:
 
 
 class DynabotError(Exception):
-    """Base class of the errors that a caller may want to catch."""
+    """Base class of the errors that a caller may want to catch.
+
+    Example:
+        >>> try:
+        ...     dy.shortest_period(9, 0.02)
+        ... except dy.DynabotError as error:
+        ...     print(error)
+        9 robots given, allowed are 2 to 7
+    """
 
 
 class InputError(DynabotError):
-    """The input is outside what is allowed; the command line exits with code 2."""
+    """The input is outside what is allowed; the command line exits with code 2.
+
+    Example:
+        >>> dy.build_scenario({"trials": 0})
+        Traceback (most recent call last):
+        dynabot_mj.common.exceptions.InputError: options: trials = 0: input should be greater than or equal to 1
+    """
 
 
 class InfeasibleScheduleError(InputError):
-    """No period satisfies Eq. 1, or the periods given load the processor beyond its bound."""
+    """No period satisfies Eq. 1, or the periods given load the processor beyond its bound.
+
+    Example:
+        >>> issubclass(dy.InfeasibleScheduleError, dy.InputError)
+        True
+        >>> dy.build_scenario({"method": {"gps": {"sample_period": 0.02}}})  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+        dynabot_mj.common.exceptions.InfeasibleScheduleError: ... the shortest common period is 27.05 ms
+    """
 
 
 class OutOfFittedRangeError(InputError):
-    """The radio model was asked for a fleet or a message outside the range that it was fitted on."""
+    """The radio model was asked for a fleet or a message outside the range that it was fitted on.
+
+    Example:
+        >>> dy.dynabot_link(8, 20)
+        Traceback (most recent call last):
+        dynabot_mj.common.exceptions.OutOfFittedRangeError: 8 robots given, the radio model was fitted for 2 to 7
+    """
 
 
 _NONE: Mapping[str, str] = {}

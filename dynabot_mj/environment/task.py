@@ -74,6 +74,14 @@ def load(
 
     Raises:
         InputError: If a value is not allowed.
+
+    Example:
+        >>> environment = dy.load_environment(robots=3, duration=0.1)
+        >>> step = environment.reset()
+        >>> while not step.last():
+        ...     step = environment.step(np.zeros(environment.action_spec().shape))
+        >>> step.observation["position"].shape
+        (3, 2)
     """
     for name, value, allowed in (("action", action, Action), ("observation", observation, Observation)):
         if value not in get_args(allowed):

@@ -64,6 +64,13 @@ def unasked() -> Iterator[None]:
         yield
 
 
+def import_unasked() -> None:
+    """Imports MuJoCo by `unasked` where MUJOCO_GL is set; elsewhere it may wait until it is needed."""
+    if _VARIABLE in os.environ:
+        with unasked():
+            importlib.import_module("mujoco")
+
+
 @contextlib.contextmanager
 def for_dm_control() -> Iterator[None]:
     """Lets dm_control, which decides on what draws when it is imported, find what needs no display.

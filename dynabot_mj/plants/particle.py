@@ -25,7 +25,14 @@ _HEADING_SPEED = 0.25  # below this speed the heading stays [m/s]
 
 
 class ParticlePlant:
-    """Point masses, one per robot."""
+    """Point masses, one per robot.
+
+    Example:
+        >>> plant = dy.ParticlePlant(12.0, np.zeros((1, 3, 2)), np.zeros((1, 3)))  # 1 trial, 3 robots
+        >>> states = plant.step(np.full((1, 3, 2), 6.0), 2.0)  # 6 N along each axis for 2 s
+        >>> plant.state.position_w[0, 0]
+        array([1., 1.])
+    """
 
     def __init__(self, mass: float, position_w: Array, heading: Array) -> None:
         """Starts at rest.

@@ -12,19 +12,34 @@ LONGEST_SUBSTEP = 0.010
 
 @dataclass(frozen=True, kw_only=True)
 class FleetState:
-    """True planar state of all robots of all trials at one instant."""
+    """True planar state of all robots of all trials at one instant.
 
-    time: float  # [s]
-    position_w: Array  # (B, n, 2) of the robots' centres [m]
-    velocity_w: Array  # (B, n, 2) of the centres [m/s]
-    heading: Array  # (B, n) from the world's x axis, not wrapped [rad]
-    yaw_rate: Array  # (B, n) [rad/s]
-    # (B, n, 2) integral since the start of what ideal accelerometers feel ahead and to the left, gravity in a tilted
-    # robot included [m/s]: differences between two times are velocity increments, as inertial units give them.
+    Attributes:
+        time: [s].
+        position_w: (B, n, 2) of the robots' centres [m].
+        velocity_w: (B, n, 2) of the centres [m/s].
+        heading: (B, n) from the world's x axis, not wrapped [rad].
+        yaw_rate: (B, n) [rad/s].
+        velocity_increment_b: (B, n, 2) integral since the start of what ideal accelerometers feel ahead and to the
+            left, gravity in a tilted robot included [m/s]: differences between two times are velocity increments, as
+            inertial units give them.
+        pose: (B, n, 11) MuJoCo's coordinates: the free joint's, then the wheels' angles [rad]; None: point masses.
+        wheel_speed: (B, n, 4) in the order of `scene.WHEELS` [rad/s]; None: point masses.
+
+    Example:
+        >>> state = dy.ParticlePlant(12.0, np.zeros((10, 3, 2)), np.zeros((10, 3))).state
+        >>> state.time, state.velocity_w.shape, state.pose
+        (0.0, (10, 3, 2), None)
+    """
+
+    time: float
+    position_w: Array
+    velocity_w: Array
+    heading: Array
+    yaw_rate: Array
     velocity_increment_b: Array
-    # Of bodies; None: point masses.
-    pose: Array | None = None  # (B, n, 11) MuJoCo's coordinates: the free joint's, then the wheels' angles [rad]
-    wheel_speed: Array | None = None  # (B, n, 4) in the order of `scene.WHEELS` [rad/s]
+    pose: Array | None = None
+    wheel_speed: Array | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

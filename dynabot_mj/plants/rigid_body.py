@@ -36,7 +36,15 @@ _BREAKDOWNS = [
 
 
 class RigidBodyPlant:
-    """Four-wheel skid-steer vehicles."""
+    """Four-wheel skid-steer vehicles.
+
+    Example:
+        >>> laws = dy.local_laws(dy.build_scenario({}))
+        >>> plant = dy.RigidBodyPlant(np.zeros((1, 1, 2)), np.zeros((1, 1)), laws)  # 1 trial, 1 robot
+        >>> states = plant.step(np.array([[[12.0, 0.0]]]), 1.0)  # 12 N ahead for 1 s
+        >>> plant.state.velocity_w[0, 0].round(1) + 0.0
+        array([1.6, 0. ])
+    """
 
     def __init__(
         self,

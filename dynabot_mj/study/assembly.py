@@ -41,7 +41,30 @@ def simulate(
     progress: Progress = lambda share: None,
     observers: Sequence[Observer] = (),
 ) -> Outcome:
-    """Runs trials of one case of a study; see `parts` and `Judge`."""
+    """Runs trials of one case of a study.
+
+    Args:
+        setup: The study's configuration.
+        case: Plant, perception and estimator; of `cases`.
+        trials: Numbers of the trials, length B; a trial's result depends on its number, not on the others.
+        phase: Of each robot's clock, see `parts`.
+        recorded: R, for how many of the trials the trajectory is kept.
+        threads: Of the rigid plant.
+        progress: Called now and then with the share of the work that is done.
+        observers: Are shown everything, beside the judge.
+
+    Raises:
+        InputError: If the case's estimator has no periods that the processor can keep.
+
+    Returns:
+        Scores (B,), positions at the end (B, n, 2) [m], trajectories (R, K, n, 2) [m] at times (K,) [s], and more.
+
+    Example:
+        >>> setup = dy.build_scenario({"trials": 2, "duration": 1.0, "plants": ["particle"], "estimators": ["gps"]})
+        >>> outcome = dy.simulate(setup, dy.cases(setup)[0], trials=range(5), recorded=1)
+        >>> outcome.final_position_w.shape, outcome.trajectory_w.shape
+        ((5, 3, 2), (1, 11, 3, 2))
+    """
     made = parts(setup, case, trials, phase=phase, threads=threads)
     judging = judge(setup, case, made, recorded)
     loop.simulate(made, [judging, *observers], progress)
@@ -65,6 +88,15 @@ def parts(
         phase: Of each robot's clock, (n,) [ticks]: its first event; None where all share one clock. It is the same in
             all trials, whose calendar would otherwise depend on which of them run together.
         threads: Of the rigid plant.
+
+    Raises:
+        InputError: If the case's estimator has no periods that the processor can keep.
+
+    Example:
+        >>> setup = dy.build_scenario({"trials": 2, "duration": 1.0, "plants": ["particle"], "estimators": ["gps"]})
+        >>> parts = dy.make_parts(setup, dy.cases(setup)[0], trials=[0, 7])
+        >>> parts.clocks.sample_period, parts.plant.state.position_w.shape
+        (0.027, (2, 3, 2))
     """
     tick = setup.processor.tick
     sample_ticks, control_ticks = scenario.periods(setup, case.estimator)

@@ -42,25 +42,45 @@ def load(text: str, origin: str, defaults: Mapping[str, Any] = _NONE, **options:
 
     Raises:
         InputError: If the text is not TOML, or a key or a value is not allowed.
+
+    Example:
+        >>> dy.parse_scenario("robots = 4", "my study", trials=20).trials
+        20
     """
     return build({**defaults, **_parsed(text, origin)}, origin, **options)
 
 
 def load_file(
-    path: Path, defaults: Mapping[str, Any] = _NONE, typed: Mapping[str, str] = _NONE, **options: Any
+    path: Path | str, defaults: Mapping[str, Any] = _NONE, typed: Mapping[str, str] = _NONE, **options: Any
 ) -> Scenario:
-    """Reads a configuration file; see `load` and `build`."""
+    """Reads a configuration file.
+
+    Args:
+        path: Of a TOML file.
+        defaults: See `load`.
+        typed: See `build`.
+        **options: See `load`.
+
+    Raises:
+        InputError: If it cannot be read or is not TOML, or a key or a value is not allowed.
+
+    Example:
+        >>> from pathlib import Path
+        >>> size = Path("study.toml").write_text("trials = 20")
+        >>> dy.load_scenario("study.toml", robots=4).robots
+        4
+    """
     return build({**defaults, **read(path)}, str(path), typed, **options)
 
 
-def read(path: Path) -> dict[str, Any]:
+def read(path: Path | str) -> dict[str, Any]:
     """Reads a TOML file as a tree of plain values.
 
     Raises:
         InputError: If it cannot be read or is not TOML.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")  # some editors put a byte order mark first
+        text = Path(path).read_text(encoding="utf-8-sig")  # some editors put a byte order mark first
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not a text file"
         raise InputError(f"cannot read the configuration {path}: {reason}") from error
@@ -77,6 +97,14 @@ def build(
         origin: Where it comes from, for the messages.
         typed: What the user typed to set a key with its tables, such as `--duration`.
         **options: See `load`.
+
+    Raises:
+        InputError: If a key or a value is not allowed, or two contradict each other.
+
+    Example:
+        >>> setup = dy.build_scenario({"robots": 4, "radio": {"message_bytes": 40}}, trials=20)
+        >>> setup.robots, setup.radio.message_bytes, setup.trials
+        (4, 40, 20)
     """
     merged = dict(tree)
     for key, value in options.items():
@@ -109,7 +137,16 @@ def build(
 
 
 def dump(setup: Scenario) -> str:
-    """Returns the whole configuration as TOML; `load` gives the same scenario back."""
+    """Returns the whole configuration as TOML; `load` gives the same scenario back.
+
+    Args:
+        setup: The configuration.
+
+    Example:
+        >>> setup = dy.build_scenario({"robots": 4})
+        >>> dy.parse_scenario(dy.dump_scenario(setup), "a copy") == setup
+        True
+    """
     return toml(setup)
 
 

@@ -74,25 +74,56 @@ def run(setup: Scenario, execution: Execution = _HERE, progress: Progress = lamb
     Returns:
         Dimensions `case`, `trial`, `robot`, `axis`, `recorded`, `time`; each variable states its unit. Scores of
         diverged trials are NaN.
+
+    Example:
+        >>> setup = dy.build_scenario({"trials": 2, "duration": 1.0, "plants": ["particle"], "estimators": ["gps"]})
+        >>> results = dy.run(setup)
+        >>> results.closest.dims, results.closest.shape, results.closest.units
+        (('case', 'trial'), (1, 2), 'm')
     """
     checks.check(setup)
     return _dataset(setup, execute(setup, execution, progress))
 
 
-def save(dataset: xr.Dataset, path: Path) -> None:
+def save(dataset: xr.Dataset, path: Path | str) -> None:
     """Writes a Dataset as NetCDF; equal Datasets give equal bytes.
+
+    Args:
+        dataset: Of `run`.
+        path: Of the file.
 
     Raises:
         OSError: If it cannot be written, as on a full disk, which the NetCDF library itself would not survive.
+
+    Example:
+        >>> from pathlib import Path
+        >>> setup = dy.build_scenario({"trials": 2, "duration": 1.0, "plants": ["particle"], "estimators": ["gps"]})
+        >>> dy.save(dy.run(setup), "study.nc")
+        >>> Path("study.nc").is_file()
+        True
     """
     Path(path).write_bytes(dataset.to_netcdf(engine="h5netcdf"))
 
 
-def load(path: Path) -> xr.Dataset:
+def load(path: Path | str) -> xr.Dataset:
     """Reads a Dataset that `save` wrote, whole.
 
     One of an older version, which has no first passages, is judged as today: hulls that touched fail the common
     completion, where it counted centres.
+
+    Args:
+        path: Of the file.
+
+    Raises:
+        OSError: If it cannot be read.
+        ValueError: If it is no NetCDF file.
+
+    Example:
+        >>> setup = dy.build_scenario({"trials": 2, "duration": 1.0, "plants": ["particle"], "estimators": ["gps"]})
+        >>> results = dy.run(setup)
+        >>> dy.save(results, "study.nc")
+        >>> dy.load("study.nc").identical(results)
+        True
     """
     with xr.open_dataset(path, engine="h5netcdf") as dataset:
         study = dataset.load()

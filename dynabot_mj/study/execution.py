@@ -27,13 +27,27 @@ RECORDED = 1  # trajectories kept of each case, from the study's first trial on
 
 @dataclass(frozen=True, kw_only=True)
 class Execution:
-    """How a study is executed; none of it changes the result."""
+    """How a study is executed; none of it changes the result.
 
-    workers: int = 1  # processes of this machine
-    threads: int = 1  # of MuJoCo in each of them
-    scheduler: str | None = None  # address of a Dask scheduler, whose workers take the place of the processes
-    chunks: Path | None = None  # folder that keeps finished chunks until the study is complete
-    resume: bool = False  # take the finished chunks of an interrupted run from there
+    Attributes:
+        workers: Processes of this machine; above 1, a script has to guard what it runs by
+            `if __name__ == "__main__":`, since each of them imports it.
+        threads: Of MuJoCo in each of them.
+        scheduler: Address of a Dask scheduler, whose workers take the place of the processes.
+        chunks: Folder that keeps finished chunks until the study is complete.
+        resume: Take the finished chunks of an interrupted run from there.
+
+    Example:
+        >>> setup = dy.build_scenario({"trials": 2, "duration": 1.0, "plants": ["particle"], "estimators": ["gps"]})
+        >>> dy.run(setup, dy.Execution(threads=2)).identical(dy.run(setup))
+        True
+    """
+
+    workers: int = 1
+    threads: int = 1
+    scheduler: str | None = None
+    chunks: Path | None = None
+    resume: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -81,6 +81,10 @@ def local_laws(setup: Scenario, *, real_sensors: bool = False) -> LocalLaws:
 
     Raises:
         InputError: If there are no such gains.
+
+    Example:
+        >>> type(dy.local_laws(dy.build_scenario({}, steering="heading")).steering).__name__
+        'Heading'
     """
     found = gain_set(setup.vehicle.gains)
     steering: HandPoint | Heading = found.hand_point if setup.vehicle.steering == "hand-point" else found.heading

@@ -39,7 +39,38 @@ DURATIONS = {2: 80.0, 3: 80.0, 4: 100.0, 5: 120.0, 6: 160.0, 7: 240.0}  # [s]; o
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Scenario:
-    """A study: which robots, which methods, how many trials."""
+    """A study: which robots, which methods, how many trials; `configuration.build` makes one from plain values.
+
+    Attributes:
+        trials: Of each case.
+        first_trial: Number of the first.
+        seed: Of all random numbers.
+        robots: n, 2 to 7.
+        duration: Of a trial [s]; auto: by the number of robots.
+        plants: Which there are: point masses, rigid bodies.
+        estimators: Which rows of Table III there are.
+        perception: What robots believe of themselves.
+        velocity: Where the velocity of the dissipation comes from; auto: true where it is exact, else estimated.
+        controller: The built-in law, or a function of the user's, `my_module:my_law`.
+        mass: Of a particle [kg]; auto: that of the rigid robot.
+        collision_distance: Between two centres, below which they have collided [m].
+        field: Of the potential.
+        start: Where and how robots begin.
+        vehicle: Rigid robots and their ground.
+        processor: Which the tasks share.
+        radio: The messages.
+        surrogate: The paper's error.
+        completion: How a formation is judged at the end.
+        sensors: Their errors and faults.
+        filter: Of perception `filter`.
+        fitted: Errors of perception `fitted`.
+        method: Gains, periods and errors of each estimator.
+
+    Example:
+        >>> setup = dy.Scenario(robots=4, plants=("particle",))
+        >>> len(dy.cases(setup))
+        4
+    """
 
     trials: Annotated[int, Field(ge=1, le=1_000_000)] = paper.TRIALS_TABLE_III
     first_trial: Annotated[int, Field(ge=0, lt=2**31)] = 0  # trials first_trial .. first_trial + trials - 1 are run
@@ -72,7 +103,17 @@ class Scenario:
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """One plant with one estimator: what one row of the result table is about."""
+    """One plant with one estimator: what one row of the result table is about.
+
+    Attributes:
+        plant: Point masses or rigid bodies.
+        perception: What robots believe of themselves; None for the estimator `perfect`.
+        estimator: Whose periods, gains and errors they have.
+
+    Example:
+        >>> dy.Case(plant="rigid", perception="filter", estimator="coupled").label
+        'rigid/filter/coupled'
+    """
 
     plant: PlantName
     perception: PerceptionName | None  # None for the estimator `perfect`
@@ -85,7 +126,15 @@ class Case:
 
 
 def cases(setup: Scenario) -> list[Case]:
-    """Returns the cases of a study, the plants of one method side by side."""
+    """Returns the cases of a study, the plants of one method side by side.
+
+    Args:
+        setup: The study's configuration.
+
+    Example:
+        >>> [case.label for case in dy.cases(dy.build_scenario({"estimators": ["perfect"]}))]
+        ['particle/perfect', 'rigid/perfect']
+    """
     return [
         Case(plant=plant, perception=perception, estimator=estimator)
         for estimator in dict.fromkeys(setup.estimators)

@@ -37,12 +37,24 @@ def _poisson_distribution(mean: float) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Link:
-    """Distribution of latency and loss of one broadcast message."""
+    """Distribution of latency and loss of one broadcast message.
 
-    offset: float  # constant part of Eq. 4's bracket, before the floor [ticks]
-    poisson_mean: float  # lambda of Eq. 5 [ticks]
-    tick: float  # t_k [s]
-    loss: float  # p_rm of Eq. 7, per receiver
+    Attributes:
+        offset: Constant part of Eq. 4's bracket, before the floor [ticks].
+        poisson_mean: lambda of Eq. 5 [ticks].
+        tick: t_k [s].
+        loss: p_rm of Eq. 7, per receiver.
+
+    Example:
+        >>> link = dy.Link(offset=30.0, poisson_mean=0.0, tick=0.001, loss=0.1)
+        >>> link.latency(np.array([0.2, 0.9]))
+        array([0.03, 0.03])
+    """
+
+    offset: float
+    poisson_mean: float
+    tick: float
+    loss: float
 
     def latency(self, uniform: Array) -> Array:
         """Returns latencies by inverting the distribution of Eqs. 4 and 6.
@@ -66,6 +78,11 @@ def dynabot_link(robots: int, message_bytes: float) -> Link:
 
     Raises:
         OutOfFittedRangeError: Outside the range that the authors measured.
+
+    Example:
+        >>> link = dy.dynabot_link(robots=3, message_bytes=20)
+        >>> round(link.offset, 2), round(link.poisson_mean, 2), round(link.loss, 5)  # ticks, ticks, probability
+        (33.1, 3.77, 0.00267)
     """
     if not 2 <= robots <= RADIO_MAX_ROBOTS:
         raise OutOfFittedRangeError(f"{robots} robots given, the radio model was fitted for 2 to {RADIO_MAX_ROBOTS}")
@@ -105,7 +122,16 @@ class Message:
 
 
 class Radio:
-    """Messages in flight between the robots, and the newest that have arrived."""
+    """Messages in flight between the robots, and the newest that have arrived.
+
+    Example:
+        >>> radio = dy.Radio(dy.dynabot_link(3, 20), robots=3, seed=0, trials=[0])
+        >>> message = radio.broadcast(np.zeros((1, 3, 2)), np.zeros((1, 3)), np.array([[True, False, False]]))
+        >>> radio.heard(np.full((1, 3), 0.1)).known[0]  # receivers by senders, 0.1 s later
+        array([[False, False, False],
+               [ True, False, False],
+               [ True, False, False]])
+    """
 
     def __init__(self, link: Link, robots: int, seed: int, trials: Sequence[int]) -> None:
         """Starts with nothing in flight and nobody heard.

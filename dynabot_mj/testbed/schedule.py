@@ -32,6 +32,10 @@ def period(robots: int, estimation_time: float, utilisation_bound: float = 1.0, 
     Raises:
         InputError: If n, t_se or U is outside its range.
         InfeasibleScheduleError: If GPS parsing alone fills the processor.
+
+    Example:
+        >>> round(dy.shortest_period(robots=3, estimation_time=0.0059), 4)  # of GPS [s]
+        0.027
     """
     _check(robots, estimation_time, utilisation_bound)
     gps_load = tasks.gps / tasks.gps_period
@@ -62,6 +66,10 @@ def utilisation(
 
     Raises:
         InputError: If an argument is outside its range.
+
+    Example:
+        >>> round(dy.processor_load(3, 0.0059, sample_period=0.027, control_period=0.027), 3)
+        1.001
     """
     _check(robots, estimation_time, 1.0)
     for name, value in (("sample period", sample_period), ("control period", control_period)):
@@ -129,6 +137,10 @@ def table(robots: int, utilisation_bound: float = 1.0) -> list[ScheduleRow]:
     Raises:
         InputError: If n or U is outside its range.
         InfeasibleScheduleError: If GPS parsing alone fills the processor.
+
+    Example:
+        >>> [(row.estimator, row.period_ms) for row in dy.schedule_table(robots=3)]
+        [('gps', 27.0), ('decoupled', 36.0), ('coupled', 156.0)]
     """
     rows = []
     for estimator, figures in TABLE_II.items():

@@ -22,15 +22,34 @@ from dynabot_mj.trial.team import Sample, Team, own_velocity
 
 @dataclass(frozen=True, kw_only=True)
 class Parts:
-    """What trials are made of; B of them, whose numbers the parts' random streams know."""
+    """What trials are made of; B of them, whose numbers the parts' random streams know.
+
+    Attributes:
+        clocks: When robots sample and act.
+        plant: The robots.
+        perception: What they are told of themselves.
+        radio: Between them.
+        law: From what robots know to a force on each, (B, n, 2) [N].
+        leader_w: (2,) known to every robot exactly and at once [m].
+        velocity: Of the dissipation, (B, n, 2), at a sample [m/s].
+
+    Example:
+        >>> from dataclasses import replace
+        >>> setup = dy.build_scenario({"trials": 2, "duration": 1.0, "plants": ["particle"], "estimators": ["gps"]})
+        >>> parts = dy.make_parts(setup, dy.cases(setup)[0], trials=range(2))
+        >>> idle = replace(parts, law=lambda known: np.zeros_like(known.position_w))
+        >>> dy.run_parts(idle)
+        >>> float(abs(idle.plant.state.velocity_w).max())
+        0.0
+    """
 
     clocks: Clocks
     plant: Plant
     perception: Perception
     radio: Radio
     law: Law
-    leader_w: Array  # (2,) known to every robot exactly and at once [m]
-    velocity: Callable[[Belief], Array] = own_velocity  # of the dissipation, (B, n, 2), at a sample [m/s]
+    leader_w: Array
+    velocity: Callable[[Belief], Array] = own_velocity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +69,22 @@ class Event:
 
 
 class Observer(Protocol):
-    """Watches trials without touching them."""
+    """Watches trials without touching them.
+
+    Example:
+        >>> class Forces:
+        ...     def __init__(self):
+        ...         self.largest = 0.0
+        ...     def event(self, event):
+        ...         self.largest = max(self.largest, float(np.linalg.norm(event.force_w, axis=-1).max()))
+        ...     def substep(self, state):
+        ...         pass
+        >>> setup = dy.build_scenario({"trials": 2, "duration": 1.0, "plants": ["particle"], "estimators": ["gps"]})
+        >>> forces = Forces()
+        >>> outcome = dy.simulate(setup, dy.cases(setup)[0], range(2), observers=[forces])
+        >>> round(forces.largest, 6) <= 50.0  # its limit [N]
+        True
+    """
 
     def event(self, event: Event) -> None:
         """Takes an event, after the robots have decided."""
@@ -70,6 +104,13 @@ def simulate(parts: Parts, observers: Sequence[Observer] = (), progress: Progres
         parts: What they are made of; the plant is left as it is at the end.
         observers: Are shown everything.
         progress: Called now and then.
+
+    Example:
+        >>> setup = dy.build_scenario({"trials": 2, "duration": 1.0, "plants": ["particle"], "estimators": ["gps"]})
+        >>> parts = dy.make_parts(setup, dy.cases(setup)[0], trials=range(2))
+        >>> dy.run_parts(parts)
+        >>> parts.plant.state.time
+        1.0
     """
     clocks, plant, perception = parts.clocks, parts.plant, parts.perception
     team = Team(perception, parts.radio, parts.leader_w, plant.state, parts.velocity)

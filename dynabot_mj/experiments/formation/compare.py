@@ -29,7 +29,20 @@ class Comparison:
 
 
 def compared(study: xr.Dataset) -> Comparison:
-    """Summarises and tests a study's cases."""
+    """Summarises and tests a study's cases.
+
+    Args:
+        study: Of `run` or `load`: cases x trials.
+
+    Returns:
+        A row for each case (`rows`), tests on the same trials (`paired`), and what follows from several of them.
+
+    Example:
+        >>> setup = dy.build_scenario({"trials": 2, "duration": 1.0, "plants": ["particle"], "estimators": ["gps"]})
+        >>> comparison = dy.compare(dy.run(setup))
+        >>> [row.label for row in comparison.rows]
+        ['particle/gauss-markov/gps']
+    """
     return Comparison(
         study=study,
         rows=case_rows.rows(study),

@@ -23,7 +23,17 @@ _MEASURE = {one.name: one for one in MEASURES}
 
 
 def markdown(comparison: Comparison) -> str:
-    """Returns all tables."""
+    """Returns all tables of a comparison, as `dynabot compare` prints them.
+
+    Args:
+        comparison: Of `compared`.
+
+    Example:
+        >>> setup = dy.build_scenario({"trials": 2, "duration": 1.0, "plants": ["particle"], "estimators": ["gps"]})
+        >>> text = dy.comparison_markdown(dy.compare(dy.run(setup)))
+        >>> text.splitlines()[0]
+        '# Formation of 3 robots, 2 trials of 1 s, seed 0'
+    """
     errors = in_loop.table(comparison.study)
     others = [reproduction(comparison), *tests(comparison), *([errors] if errors else [])]
     return "\n\n".join([table(comparison).markdown(level=1), *(one.markdown() for one in others)]) + "\n"
