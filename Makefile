@@ -8,7 +8,7 @@ apt = { command -v apt-get >/dev/null && echo "installing the system packages $(
 	if [ "$$(id -u)" = 0 ]; then as=env; else as="sudo -n env"; fi; $$as apt-get update -qq && \
 	$$as DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $(1); } >/dev/null 2>&1; }
 
-.PHONY: compare test test-slow browser graphics gains pictures clean
+.PHONY: compare test test-slow browser graphics gains fitted pictures clean
 
 compare: $(VENV)/.installed
 	$(BIN)/dynabot compare
@@ -27,7 +27,7 @@ browser:
 
 # OpenGL without a display for films and their tests, which are skipped without it.
 graphics: $(VENV)/.installed
-	@$(BIN)/python -c 'from dynabot_mj import opengl; opengl.backend()' 2>/dev/null || \
+	@$(BIN)/python -c 'from dynabot_mj.host import opengl; opengl.backend()' 2>/dev/null || \
 	  $(call apt,libegl1 libgl1-mesa-dri) || \
 	  echo "no OpenGL: films cannot be drawn; install the system packages libegl1 libgl1-mesa-dri"
 
@@ -39,6 +39,20 @@ test-slow: $(VENV)/.installed
 gains: $(VENV)/.installed
 	$(BIN)/dynabot tune traction --out out/gains --overwrite
 	cp out/gains/gains.toml controllers/gains/tuned.toml
+
+# The fitted surrogate's default: what the filters err by in the loop, on the seed and the trials that its file names.
+# To try it: make fitted FITTED_TRIALS=2 FITTED_FILE=out/try.toml
+FITTED_TRIALS ?= 100
+FITTED_FILE ?= dynabot_mj/perception/fitted.toml
+FITTED = dynabot compare --perception filter --plants particle --estimators gps decoupled coupled --seed 0 \
+  --trials $(FITTED_TRIALS)
+fitted: $(VENV)/.installed
+	$(BIN)/$(FITTED) --out out/fitted --overwrite
+	@{ echo "# The fitted surrogate's default: the filters' errors in the loop. \`make fitted\` writes this file anew, from" && \
+	  echo "# $(FITTED)" && \
+	  $(BIN)/python -c 'from dynabot_mj.study import provenance; print("#", provenance.versions())' && \
+	  echo && cat out/fitted/fitted.toml; } >out/fitted.toml
+	cp out/fitted.toml $(FITTED_FILE)
 
 # The pictures of the README and of docs/; takes about half an hour.
 pictures: $(VENV)/.installed graphics

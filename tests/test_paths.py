@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 # Paths below these folders; results, and what users are told to make, are not ours.
 PATH = re.compile(r"(?<![\w/.])((?:docs|dynabot_mj|models|controllers|estimation|tests)/[\w/.-]*\w)")
 # Modules without tests of their own: they state types, constants and fields, and nothing that could be wrong by itself.

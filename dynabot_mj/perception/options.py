@@ -1,8 +1,10 @@
 """How the filters and the surrogates of them are run and how large they err: tables of the configuration."""
 
-from collections.abc import Sequence
-from dataclasses import fields
-from typing import Annotated, Literal
+import functools
+import tomllib
+from dataclasses import field, fields
+from pathlib import Path
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
@@ -12,6 +14,8 @@ from dynabot_mj.common.validation import LARGEST, STRICT, NotNegative, Positive
 from dynabot_mj.estimation.build import Implementation
 from dynabot_mj.estimation.gauss_markov import Component
 from dynabot_mj.estimation.parameters import Parameters
+
+_FITTED = Path(__file__).resolve().with_name("fitted.toml")
 
 SigmaName = Literal["radial", "per-axis"]
 
@@ -54,12 +58,16 @@ class FittedError:
     heading: tuple[ErrorComponent, ...] = ()  # that local laws use [rad]; (): exact
 
 
-def _error(**parts: Sequence[tuple[float, float]]) -> FittedError:
+@functools.cache
+def _measured() -> dict[str, Any]:
+    """Returns the table of `fitted.toml`, as `compare --perception filter` writes it; `make fitted` made it."""
+    table: dict[str, Any] = tomllib.loads(_FITTED.read_text(encoding="utf-8"))["fitted"]
+    return table
+
+
+def _error(estimator: str) -> FittedError:
     return FittedError(
-        **{
-            name: tuple(ErrorComponent(deviation=sigma, time=tau) for sigma, tau in pairs)
-            for name, pairs in parts.items()
-        }
+        **{name: tuple(ErrorComponent(**one) for one in part) for name, part in _measured()[estimator].items()}
     )
 
 
@@ -67,15 +75,12 @@ def _error(**parts: Sequence[tuple[float, float]]) -> FittedError:
 class FittedOptions:
     """The surrogate that has the filters' measured statistics; `compare --perception filter` writes such a table."""
 
-    seed: Annotated[int, Field(ge=0)] = 0  # of the study that it was fitted on
-    # Measured by `dynabot compare --perception filter`, 100 trials of seed 0, particles; rigid bodies err alike.
-    gps: FittedError = _error(
-        position=[(1.02, 0.128), (0.726, 78.8)], velocity=[(0.245, 0.211)], heading=[(0.0806, 154.0)]
-    )
-    decoupled: FittedError = _error(
-        position=[(0.174, 2.86), (0.722, 97.0)], velocity=[(0.0809, 0.733)], heading=[(0.0825, 40.4)]
-    )
-    coupled: FittedError = _error(position=[(0.7, 141.0)], velocity=[(0.0804, 0.729)], heading=[(0.0846, 84.2)])
+    # The defaults are those of `fitted.toml`: of particles; rigid bodies err alike.
+    # The seed is that of the study that it was fitted on.
+    seed: Annotated[int, Field(ge=0)] = field(default_factory=lambda: _measured()["seed"])
+    gps: FittedError = field(default_factory=lambda: _error("gps"))
+    decoupled: FittedError = field(default_factory=lambda: _error("decoupled"))
+    coupled: FittedError = field(default_factory=lambda: _error("coupled"))
 
 
 def check(parameters: Parameters) -> None:

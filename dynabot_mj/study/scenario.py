@@ -2,7 +2,7 @@
 
 The defaults reproduce Table III of the paper; those that the paper does not give are one parameter set found to do so,
 not an identification. `"auto"` marks a value that follows from others; it stays in the saved file, which therefore
-describes the same study when one of those others is changed. `dynabot_mj.configuration` reads and writes TOML.
+describes the same study when one of those others is changed. `dynabot_mj.study.configuration` reads and writes TOML.
 """
 
 from dataclasses import replace

@@ -1,4 +1,5 @@
 from dataclasses import asdict, fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,6 +25,12 @@ def test_fitted_errors_are_about_as_large_as_the_filters(name):
     assert np.sqrt(sum(one.deviation**2 for one in error.position)) == pytest.approx(expected, abs=0.01)
     assert error.velocity
     assert error.heading
+
+
+def test_the_fitted_default_is_its_file_which_a_study_takes_too():
+    text = Path(options.__file__).with_name("fitted.toml").read_text(encoding="utf-8")
+    assert text.startswith("#")  # how it was made
+    assert configuration.load(text, "the default").fitted == FittedOptions()
 
 
 def test_parts_that_are_not_given_are_exact():
