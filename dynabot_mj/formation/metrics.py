@@ -25,8 +25,9 @@ settling    r, smoothed as above, has settled at the first sample after the last
             excursion resets it, and the longer the run, the likelier there is one.
 collision   two centres come nearer than the collision distance at any time; a rigid robot is larger than that.
 completion  at every 0.5 s of the last 10 s, all robots are within sigma of the corners of the regular polygon around
-            the leader that fits them best (`dynabot_mj.formation.geometry`); its radius is the middle of what the wells'
-            floors admit. With sigma = 0 (perfect information): all r_i within 0.05 m of h0 .. h0 + eps through the last 10 s.
+            the leader that fits them best (`dynabot_mj.formation.geometry`); its radius is the middle of what the
+            wells' floors admit. With sigma = 0 (perfect information): all r_i within 0.05 m of h0 .. h0 + eps through
+            the last 10 s.
             Centres that collided have not completed.
 
 `completion_common` is the band's counterpart of completion, by which plants and methods are compared: the band holds
