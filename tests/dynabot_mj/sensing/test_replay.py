@@ -35,7 +35,7 @@ def test_a_record_has_a_sample_at_every_period_from_the_start_on(record):
 
 def test_a_run_has_the_samples_of_its_number(record):
     alone = recorded(1, first=1)
-    for name in ("specific_force_b", "yaw_rate", "bearing"):
+    for name in ("specific_force_b", "yaw_rate", "magnetic_heading"):
         np.testing.assert_array_equal(getattr(alone.imu, name)[:, 0], getattr(record.imu, name)[:, 1], err_msg=name)
     np.testing.assert_array_equal(alone.fix.position_w[:, 0], record.fix.position_w[:, 1])
 

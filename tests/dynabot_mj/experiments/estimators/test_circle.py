@@ -28,7 +28,7 @@ def test_a_few_runs_give_table_ii(outcome):
         allowed = TOLERANCE["kinematic"] * published + 3.0 * SPREAD[row.estimator] / np.sqrt(12)
         assert row.paper_m == published
         assert row.uncertainty_m.n == 12
-        assert row.uncertainty_m.mean == pytest.approx(paper, abs=allowed)
+        assert row.uncertainty_m.mean == pytest.approx(published, abs=allowed)
     # Were 90 % of the runs ordered, fewer than 8 of 12 would be in 4 of 1,000 such tests.
     assert circle_report.ordered(outcome).k >= 8
 
