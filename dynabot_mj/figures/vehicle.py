@@ -9,7 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dynabot_mj.common.legend import ROBOT_COLOURS
-from dynabot_mj.experiments.vehicle.drive import SLIDES, SPUN_OUT, DriveReport
+from dynabot_mj.experiments.vehicle.drive import DriveReport
+from dynabot_mj.experiments.vehicle.drive_figures import SPUN_OUT
+from dynabot_mj.experiments.vehicle.drives import SLIDES
 from dynabot_mj.figures.style import STYLE
 
 PAPER_SPEED = 10.0  # top speed [m/s], Sec. II

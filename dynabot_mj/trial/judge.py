@@ -69,6 +69,7 @@ class Judge:
         self.scorer.substep(state)
         self._trajectory.substep(state)
 
+    @np.errstate(over="ignore", invalid="ignore")  # as in the loop: of trials that have blown up
     def outcome(self) -> Outcome:
         """Returns the outcome, after the last state."""
         plant = self._plant

@@ -6,7 +6,8 @@ from typing import Any
 
 from dynabot_mj.common import tables
 from dynabot_mj.experiments.vehicle import drive
-from dynabot_mj.experiments.vehicle.drive import Corner, DriveReport, Figures
+from dynabot_mj.experiments.vehicle.drive import DriveReport
+from dynabot_mj.experiments.vehicle.drive_figures import Corner, Figures
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.scene import Conditions
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from dynabot_mj.controllers.vehicle import GRAVITY
-from dynabot_mj.experiments.vehicle import drive, drive_report
+from dynabot_mj.experiments.vehicle import drive, drive_figures, drive_report, drives
 from dynabot_mj.experiments.vehicle.proving_ground import ProvingGround
 from dynabot_mj.plants import scene
 
@@ -54,7 +54,7 @@ def test_no_tyre_leaves_the_floor_not_even_in_a_spin(figures):
 
 def test_free_slides_gain_no_energy(report):
     assert report.figures.energy_gain_steps == 0
-    assert report.figures.largest_energy_gain_j < drive.ENERGY_GAIN
+    assert report.figures.largest_energy_gain_j < drive_figures.ENERGY_GAIN
     # By hand, of the slide to the left, in which the wheels do not turn: m v^2 / 2.
     assert report.energy[1][1][0] - report.resting_energy == pytest.approx(12.0 * 3.0**2 / 2.0)
 
@@ -118,8 +118,8 @@ def test_hulls_hardly_overlap_although_they_close_24_mm_in_a_step(figures):
 
 
 def test_payload_makes_it_slower(figures):
-    course = ProvingGround(replace(scene.NOMINAL, payload=4.0), 0.004)
-    launch = course.run(0.5, drive.FULL_SPEED, drive.FULL_TORQUE)
+    ground = ProvingGround(replace(scene.NOMINAL, payload=4.0), 0.004)
+    launch = ground.run(0.5, drives.FULL_SPEED, drives.FULL_TORQUE)
     rate = launch.velocity_b[-1, 0, 0] / launch.time[-1] / GRAVITY
     # The motors' limit against four kilograms more.
     assert rate == pytest.approx(figures.peak_acceleration_g * 14.7 / 18.7, rel=0.05)

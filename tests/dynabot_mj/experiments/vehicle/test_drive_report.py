@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from dynabot_mj.experiments.vehicle import drive, drive_report
+from dynabot_mj.experiments.vehicle import drive, drive_figures, drive_report
 from dynabot_mj.experiments.vehicle.drive_report import Line
 from dynabot_mj.plants import scene
 
@@ -36,7 +36,7 @@ def test_markdown_shows_bands_of_the_robot_as_it_is_only(report):
 
 
 def test_spreads_compare_steps_up_to_5_ms_only(report):
-    other = drive.Figures(**{**vars(report.figures), "top_speed_mps": report.figures.top_speed_mps * 1.02})
+    other = drive_figures.Figures(**{**vars(report.figures), "top_speed_mps": report.figures.top_speed_mps * 1.02})
     assert drive_report.spreads({0.004: report.figures, 0.005: other})["top speed"] == pytest.approx(0.0198, abs=1e-4)
     assert drive_report.spreads({0.004: report.figures, 0.008: other})["top speed"] == 0.0
     table = drive_report.step_table({0.004: report.figures, 0.005: other})
