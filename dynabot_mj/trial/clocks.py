@@ -40,14 +40,20 @@ class Clocks:
         calendar = sorted(due | {0})
         yield from zip(calendar, [*calendar[1:], self.duration_ticks], strict=True)
 
-    def sampling(self, tick: int, shape: tuple[int, ...]) -> BoolArray:
-        """Tells which robots sample at this tick, in trials and robots of a shape (B, n)."""
-        return np.broadcast_to(self._due(tick, self.sample_ticks), shape)
+    def due(self, tick: int, shape: tuple[int, ...]) -> tuple[BoolArray, BoolArray]:
+        """Tells which robots sample at this tick, and whose control period begins.
 
-    def acting(self, tick: int, shape: tuple[int, ...]) -> BoolArray:
-        """Tells which robots' control period begins at this tick, in trials and robots of a shape (B, n)."""
-        return np.broadcast_to(self._due(tick, self.control_ticks), shape)
+        Args:
+            tick: Of the timer.
+            shape: Trials and robots, (B, n).
 
-    def _due(self, tick: int, period: int) -> BoolArray:
+        Returns:
+            Both (B, n).
+        """
+        sampling = self._due(tick, self.sample_ticks, shape)
+        same = self.control_ticks == self.sample_ticks  # as they mostly are
+        return sampling, sampling if same else self._due(tick, self.control_ticks, shape)
+
+    def _due(self, tick: int, period: int, shape: tuple[int, ...]) -> BoolArray:
         since = tick - self.phase
-        return (since >= 0) & (since % period == 0)
+        return np.broadcast_to((since >= 0) & (since % period == 0), shape)

@@ -119,7 +119,7 @@ def simulate(parts: Parts, observers: Sequence[Observer] = (), progress: Progres
         observer.substep(plant.state)
     for now, then in clocks.events():
         state, time, information = plant.state, now * clocks.tick, None
-        sampling, acting = clocks.sampling(now, state.heading.shape), clocks.acting(now, state.heading.shape)
+        sampling, acting = clocks.due(now, state.heading.shape)
         sample = team.sample(state, time, sampling) if sampling.any() else None
         if acting.any():
             information = team.listen(time)
