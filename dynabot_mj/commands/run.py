@@ -1,7 +1,6 @@
 """`dynabot run`."""
 
 import argparse
-from dataclasses import asdict
 
 from dynabot_mj.commands import parsers, results, studies, trials
 
@@ -25,7 +24,7 @@ def run(options: argparse.Namespace) -> None:
     with studies.opened(options, "run", setup, _FILES, kept=lambda folder: "") as folder:
         study, wall_s = studies.run(setup, None, options, "run")
         case = study.isel(case=0)
-        row = asdict(case_rows.row(case))
+        row = case_rows.document(case_rows.row(case))
         places = case.final_position_w.isel(trial=0).values
         row["final_position_m"] = [[float(x) if np.isfinite(x) else None for x in place] for place in places]
         shown = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places)

@@ -8,13 +8,14 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from dynabot_mj.common import intervals
+from dynabot_mj.common.intervals import Hazard, Mean, MeanInterval, Rate
 from dynabot_mj.common.legend import (
     METHOD_COLOURS,
     METHOD_NAMES,
     PERCEPTION_NAMES,
     PLANT_NAMES,
 )
+from dynabot_mj.experiments.formation import measures
 from dynabot_mj.experiments.formation.case_rows import CaseRow
 from dynabot_mj.experiments.formation.compare import Comparison
 from dynabot_mj.figures.style import STYLE
@@ -36,26 +37,17 @@ def table_iii(comparison: Comparison) -> Figure:
     plant = min(row.plant for row in rows)  # particle comes first
     rows = [row for row in rows if row.plant == plant]
 
-    def shown(row: CaseRow) -> list[_Bar]:
-        settling = row.settling_s
-        spread = settling.sd or 0.0
-        return [
-            (math.nan if settling.mean is None else settling.mean, spread, spread),
-            _percent(row.collision),
-            _percent(row.completion),
-        ]
+    told = measures.panels("table_iii")
 
     def published(estimator: str) -> list[_Bar]:
         row = paper.TABLE_III[estimator]
-        spread = row.settling_sd or 0.0
-        rates = (_percent(_published(share)) for share in (row.collision, row.completion))
-        return [(row.settling, spread, spread), *rates]
+        return [_bar(one.published(row), one.scale) if one.published else _NOTHING for one, _ in told]
 
     trials, seed = comparison.study.sizes["trial"], comparison.study.attrs["seed"]
     return _bars(
         rows,
-        ("settling time [s], mean ± sd", "collision of centres [%]", "completion, method's own σ [%]"),
-        shown,
+        [title for _, title in told],
+        lambda row: [_bar(row.measured[one.name], one.scale) for one, _ in told],
         published,
         f"Table III of the paper, and {trials} trials of {PLANT_NAMES[plant]} here (seed {seed}); "
         "rates with 95 % Wilson intervals",
@@ -64,28 +56,13 @@ def table_iii(comparison: Comparison) -> Figure:
 
 def outcomes(comparison: Comparison) -> Figure:
     """Draws what cases are compared by: arrival, time to formation, contact, and formations within a common metre."""
-
-    def shown(row: CaseRow) -> list[_Bar]:
-        arrival, formation = row.arrival_s, row.time_to_formation_s
-        spread = arrival.sd or 0.0
-        return [
-            (math.nan if arrival.mean is None else arrival.mean, spread, spread),
-            _whiskers(formation.mean, formation.low, formation.high),
-            _percent(row.collision_footprint),
-            _percent(row.completion_common),
-        ]
-
+    told = measures.panels("outcomes")
     trials, seed = comparison.study.sizes["trial"], comparison.study.attrs["seed"]
-    horizon = comparison.study.attrs["duration"]
+    horizon = f"{comparison.study.attrs['duration']:g} s"
     return _bars(
         comparison.rows,
-        (
-            "arrival [s], mean ± sd",
-            f"time to formation [s],\nmean restricted to {horizon:g} s",
-            "trials in which hulls\noverlap [%]",
-            "formation within 1 m,\nno contact [%]",
-        ),
-        shown,
+        [title.format(horizon=horizon) for _, title in told],
+        lambda row: [_bar(row.measured[one.name], one.scale) for one, _ in told],
         None,
         f"{trials} trials of {comparison.study.sizes['robot']} robots (seed {seed}); whiskers: 95 %, but for ± sd",
     )
@@ -157,16 +134,15 @@ def _legend(rows: Sequence[CaseRow], published: bool) -> list[Patch]:
     ]
 
 
-def _published(share: float) -> intervals.Rate:
-    """Returns a rate of Table III with the interval that its number of trials gives."""
-    return intervals.share(round(share * paper.TRIALS_TABLE_III), paper.TRIALS_TABLE_III)
-
-
-def _percent(rate: intervals.Rate | None) -> _Bar:
-    """Returns height and whisker lengths of a rate's bar [%]."""
-    if rate is None:
+def _bar(found: Mean | MeanInterval | Hazard | Rate | None, scale: float) -> _Bar:
+    """Returns height and whisker lengths of a summary's bar: the standard deviation of a mean that has no interval."""
+    if found is None:
         return _NOTHING
-    return _whiskers(*(None if value is None else 100.0 * value for value in (rate.rate, rate.low, rate.high)))
+    if isinstance(found, Mean):
+        spread = scale * (found.sd or 0.0)
+        return (math.nan if found.mean is None else scale * found.mean, spread, spread)
+    middle = found.mean if isinstance(found, MeanInterval) else found.rate
+    return _whiskers(*(None if value is None else scale * value for value in (middle, found.low, found.high)))
 
 
 def _whiskers(middle: float | None, low: float | None, high: float | None) -> _Bar:

@@ -13,22 +13,14 @@ from matplotlib.figure import Figure
 from dynabot_mj.common import legend
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.legend import METHOD_COLOURS, PERCEPTION_COLOURS
-from dynabot_mj.experiments.formation import measures, paired_tests
+from dynabot_mj.experiments.formation import paired_tests, trial_values
 from dynabot_mj.experiments.formation.compare import Comparison
+from dynabot_mj.experiments.formation.measures import PAIRED
 from dynabot_mj.experiments.formation.paired_tests import Paired
 from dynabot_mj.figures.style import STYLE
 from dynabot_mj.study import configuration
 
 _LINES = {"rigid": "-", "particle": (0, (3.0, 1.4))}
-# Of `measures.MEASURES`: what is written above a panel, and by what its values are multiplied.
-_METRICS = {
-    "arrival_s": ("arrival [s]", 1.0),
-    "time_to_formation_s": ("time to formation [s]", 1.0),
-    "in_band_fraction": ("time in band [points]", 100.0),
-    "collision_footprint": ("hulls overlap [points]", 100.0),
-    "completion_common": ("completion, 1 m [points]", 100.0),
-    "top_speed_mps": ("top speed [m/s]", 1.0),
-}
 
 
 def incidence(study: xr.Dataset) -> Figure | None:
@@ -45,8 +37,8 @@ def incidence(study: xr.Dataset) -> Figure | None:
 
     def draw(axis: Axes, case: xr.Dataset, **look: Any) -> str:
         known = case.diverged.values == 0
-        failed = measures.failure(case)[known]
-        formed = measures.restricted(case, "formation")[known]
+        failed = trial_values.failure(case)[known]
+        formed = trial_values.restricted(case, "formation")[known]
         # What fails after it has formed has met the formation first.
         first = np.where(formed < end, np.inf, failed)
         _steps(axis, first[np.isfinite(first)], int(known.sum()), end, upside_down=True, **look)
@@ -87,21 +79,24 @@ def differences(comparison: Comparison) -> Figure | None:
         return None
     cases = list(dict.fromkeys(one.a.split("/", 1)[1] for one in pairs))
     several = len({case.split("/")[0] for case in cases if "/" in case}) > 1
+    told = [one for one in PAIRED if "differences" in one.panels]
+    rows = math.ceil(len(told) / 3)
+    size = (9.6, (1.9 + 0.62 * len(cases)) * rows / 2)
     with plt.rc_context(STYLE):
-        figure, axes = plt.subplots(
-            2, 3, figsize=(9.6, 1.9 + 0.62 * len(cases)), sharey=True, squeeze=False, layout="constrained"
-        )
-        for axis, (metric, (title, scale)) in zip(axes.flat, _METRICS.items(), strict=True):
-            for one in (one for one in pairs if one.metric == metric):
-                _interval(axis, len(cases) - 1 - cases.index(one.a.split("/", 1)[1]), one, scale)
+        figure, axes = plt.subplots(rows, 3, figsize=size, sharey=True, squeeze=False, layout="constrained")
+        for axis, measure in zip(axes.flat, told, strict=False):
+            for one in (one for one in pairs if one.metric == measure.name):
+                _interval(axis, len(cases) - 1 - cases.index(one.a.split("/", 1)[1]), one, measure.scale)
             axis.axvline(0.0, color="#444444", linewidth=0.9, zorder=1.0)
             reach = 1.15 * max(map(abs, axis.dataLim.intervalx), default=1.0)
             reach = reach if np.isfinite(reach) and reach > 1e-9 else 1.0
             axis.set_xlim(-reach, reach)
-            axis.set_title(title, fontsize=10)
+            axis.set_title(measure.panels["differences"], fontsize=10)
             axis.grid(axis="y", visible=False)
             axis.set_ylim(-0.6, len(cases) - 0.4)
             axis.locator_params(axis="x", nbins=5)
+        for axis in axes.flat[len(told) :]:
+            axis.remove()
         axes[0, 0].set_yticks(range(len(cases)), [_case_name(case, several) for case in reversed(cases)])
         figure.supxlabel("point masses minus rigid bodies, on the same trials", fontsize=10)
     return figure

@@ -40,7 +40,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynabot_mj.common.arrays import Array, BoolArray
+from dynabot_mj.common.arrays import Array
 from dynabot_mj.controllers.potential_field import polygon_circumradius
 from dynabot_mj.formation.geometry import Fit
 
@@ -68,25 +68,6 @@ class Formation:
     length: float  # of a robot's footprint [m]
     breadth: float  # of a robot's footprint [m]
     fit: Fit = "least-squares"  # of the polygon that completion is measured against
-
-
-@dataclass(frozen=True, kw_only=True)
-class Scores:
-    """Outcome of each trial; NaN where a number is not defined."""
-
-    arrival: Array  # (B,) [s]; NaN: not arrived
-    formation: Array  # (B,) [s]; NaN: not formed
-    in_band: Array  # (B,) share of the time since arrival; NaN: not arrived
-    contact: Array  # (B,) of footprints, first [s]; NaN: none
-    overturned: Array  # (B,) first [s]; NaN: none
-    settling: Array  # (B,) [s]
-    settled: Array  # (B,) 1 or 0; NaN for trials too short or collided
-    collision: BoolArray  # (B,) of centres
-    collision_footprint: BoolArray  # (B,)
-    completion: Array  # (B,) 1 or 0; NaN for trials too short
-    completion_common: Array  # (B,) 1 or 0; NaN for trials too short
-    top_speed: Array  # (B,) [m/s]
-    closest: Array  # (B,) smallest distance between two centres [m]
 
 
 def polygon_radius(formation: Formation, robots: int) -> float:

@@ -1,21 +1,22 @@
 """Judges trials while they run; what is judged, and why, is defined in `dynabot_mj.formation.metrics`."""
 
+from dataclasses import dataclass, field
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
 from dynabot_mj.common.arrays import Array, BoolArray
-from dynabot_mj.formation.geometry import footprints_touch, neighbour_distances, polygon_error
+from dynabot_mj.formation.band import Band, within
+from dynabot_mj.formation.geometry import footprints_touch, polygon_error
 from dynabot_mj.formation.metrics import (
     ANNULUS_TOLERANCE,
     ARRIVAL_TOLERANCE,
-    COMMON_TOLERANCE,
     COMPLETION_INTERVAL,
     FINAL_WINDOW,
-    HOLDING,
     SHORTEST_JUDGED,
     UPRIGHT,
     Formation,
-    Scores,
     polygon_radius,
     settling_time,
     trailing_mean,
@@ -23,6 +24,41 @@ from dynabot_mj.formation.metrics import (
 from dynabot_mj.plants.plant import FleetState
 
 _NO_PAIRS = (np.zeros(0, dtype=np.intp), np.zeros(0, dtype=np.intp))  # trials, and pairs in them
+
+
+def _told(unit: str, meaning: str, *, always: bool = False) -> dict[str, Any]:
+    """Returns what a Dataset states of a score.
+
+    Args:
+        unit: Of it; 1: a share, a count, or yes and no.
+        meaning: Of it, and of NaN where it is not for a trial too short.
+        always: Whether studies of every version have it; of others older ones tell nothing.
+    """
+    return {"unit": unit, "meaning": meaning, "always": always}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scores:
+    """Outcome of each trial, each (B,); NaN where a number is not defined.
+
+    Each becomes a variable of a study's Dataset by its own name.
+    """
+
+    arrival: Array = field(metadata=_told("s", "when the robots had come to the leader's well; NaN: not at all"))
+    formation: Array = field(metadata=_told("s", "when the common band began to hold for 5 s; NaN: never"))
+    in_band: Array = field(metadata=_told("1", "share of the time since arrival in the common band; NaN: not arrived"))
+    contact: Array = field(metadata=_told("s", "when two footprints first overlapped; NaN: never"))
+    overturned: Array = field(metadata=_told("s", "when a body was first on its side or back; NaN: never"))
+    settling: Array = field(metadata=_told("s", "1 % settling time of the mean distance to the leader", always=True))
+    settled: Array = field(metadata=_told("1", "1: settled, 0: not; NaN: collided or too short", always=True))
+    collision: BoolArray = field(
+        metadata=_told("1", "1: two centres came nearer than the collision distance", always=True)
+    )
+    collision_footprint: BoolArray = field(metadata=_told("1", "1: two footprints overlapped", always=True))
+    completion: Array = field(metadata=_told("1", "1: formation within the method's own tolerance", always=True))
+    completion_common: Array = field(metadata=_told("1", "1: formation within 1 m", always=True))
+    top_speed: Array = field(metadata=_told("m/s", "highest speed of any robot", always=True))
+    closest: Array = field(metadata=_told("m", "smallest distance between two centres", always=True))
 
 
 class Scorer:
@@ -41,9 +77,8 @@ class Scorer:
         self._formation, self._leader_w, self._duration = formation, leader_w, duration
         self._first, self._second = np.triu_indices(robots, 1)
         never = np.full(trials, np.nan)
-        self._contact, self._overturned, self._formed = never.copy(), never.copy(), never.copy()
-        self._holds_since = never.copy()  # of the common band; NaN where it does not hold
-        self._time_in_band = np.zeros(trials)
+        self._contact, self._overturned = never.copy(), never.copy()
+        self._band = Band(formation, leader_w, trials)
         self._annulus, self._common = np.ones(trials, dtype=bool), np.ones(trials, dtype=bool)
         self._top_speed = np.zeros(trials)
         self._closest = np.full(trials, np.inf)
@@ -62,7 +97,7 @@ class Scorer:
         """Takes a state at a control event, for arrival and settling."""
         self._times.append(state.time)
         self._radii.append(self._distance(state).mean(axis=-1))
-        self._times_in_band.append(self._time_in_band.copy())
+        self._times_in_band.append(self._band.time.copy())
 
     def substep(self, state: FleetState) -> None:
         """Takes a state, the start first, at most `plants.plant.LONGEST_SUBSTEP` after the one before."""
@@ -114,7 +149,7 @@ class Scorer:
         arrival, in_band = self._arrivals()
         return Scores(
             arrival=arrival,
-            formation=self._formed,
+            formation=self._band.formed,
             in_band=in_band,
             contact=self._contact,
             overturned=self._overturned,
@@ -137,7 +172,7 @@ class Scorer:
         there[time >= self._duration - 1e-9] = False  # the end is no event
         arrived, event = there.any(axis=0), there.argmax(axis=0)
         before = np.take_along_axis(np.array(self._times_in_band), event[None], axis=0)[0]
-        share = (self._time_in_band - before) / (self._duration - time[event])
+        share = (self._band.time - before) / (self._duration - time[event])
         # Sums of many gaps may exceed the time that they are of by their rounding.
         return np.where(arrived, time[event], np.nan), np.where(arrived, np.clip(share, 0.0, 1.0), np.nan)
 
@@ -173,41 +208,11 @@ class Scorer:
             if fallen.any():
                 _note(self._overturned, np.nonzero(fallen)[0], state.time)
         radius = self._distance(state)
-        band = self._band(state, radius, distance)
-        self._hold(band, state.time, gap)
+        band = self._band.see(state, radius, distance, gap)
         if state.time >= self._duration - FINAL_WINDOW - 1e-9:
             shape = self._formation
-            self._annulus &= _within(radius, shape.well_radius, shape.well_radius + shape.width, ANNULUS_TOLERANCE)
+            self._annulus &= within(radius, shape.well_radius, shape.well_radius + shape.width, ANNULUS_TOLERANCE)
             self._common &= band
-
-    def _band(self, state: FleetState, radius: Array, distance: Array) -> BoolArray:
-        """Tells which trials are in the common band.
-
-        Args:
-            state: Of the robots.
-            radius: Of each robot, (B, n) [m].
-            distance: Of each pair, (B, pairs) [m].
-
-        Returns:
-            (B,).
-        """
-        shape, n = self._formation, radius.shape[-1]
-        band = _within(radius, shape.well_radius, shape.well_radius + shape.width, COMMON_TOLERANCE)
-        if band.any():
-            # Up to three robots are all neighbours of each other.
-            sides = distance[band] if n <= 3 else neighbour_distances(state.position_w[band] - self._leader_w)
-            band[band] = _within(sides, shape.spacing, shape.spacing + shape.width, COMMON_TOLERANCE)
-        return band
-
-    def _hold(self, band: BoolArray, time: float, gap: float) -> None:
-        """Counts how long the band has held at this time [s]; what holds now has held for the gap [s] before."""
-        if not band.any():
-            self._holds_since[:] = np.nan
-            return
-        self._time_in_band += np.where(band, gap, 0.0)
-        self._holds_since = np.where(band, np.where(np.isnan(self._holds_since), time, self._holds_since), np.nan)
-        forms = np.isnan(self._formed) & (time - self._holds_since >= HOLDING - 1e-9)
-        self._formed = np.where(forms, self._holds_since, self._formed)
 
 
 def interpolate(before: FleetState, after: FleetState, time: float) -> Array:
@@ -221,8 +226,3 @@ def interpolate(before: FleetState, after: FleetState, time: float) -> Array:
 def _note(first: Array, trials: npt.NDArray[np.intp], time: float) -> None:
     """Writes down the first time that something happened in some trials."""
     first[trials] = np.where(np.isnan(first[trials]), time, first[trials])
-
-
-def _within(values: Array, low: float, high: float, tolerance: float) -> BoolArray:
-    """Tells for each trial whether all its values are in a band widened by a tolerance, (B,)."""
-    return np.all((values >= low - tolerance) & (values <= high + tolerance), axis=-1)

@@ -11,6 +11,7 @@ import xarray as xr
 
 from dynabot_mj.experiments.estimators import circle_report
 from dynabot_mj.experiments.estimators.circle import CircleOutcome
+from dynabot_mj.experiments.formation import case_rows
 from dynabot_mj.experiments.formation.compare import Comparison
 
 
@@ -18,7 +19,7 @@ def of_study(comparison: Comparison) -> dict[str, str]:
     """Returns a study's tables by file name: its cases with their errors, differences, and trials one by one."""
     differences = [asdict(one) for one in comparison.paired]
     return {
-        "cases.csv": _text([asdict(one) for one in comparison.rows]),
+        "cases.csv": _text([case_rows.document(one) for one in comparison.rows]),
         **({"differences.csv": _text(differences)} if differences else {}),
         "trials.csv": _text(list(_trials(comparison.study))),
     }

@@ -7,6 +7,7 @@ so that equal studies are equal bytes.
 import json
 import operator
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from dynabot_mj.common.arrays import Progress
+from dynabot_mj.formation.scorer import Scores
 from dynabot_mj.study import checks, configuration, provenance, scenario
 from dynabot_mj.study.execution import Execution, execute
 from dynabot_mj.study.scenario import Case, Scenario
@@ -22,28 +24,15 @@ from dynabot_mj.trial.judge import Outcome
 
 _HERE = Execution()  # in this process
 
-# Of each outcome: where it is, its dimensions behind `case`, unit and meaning. All are NaN for trials that diverged.
+# Of each outcome: where it is, its dimensions behind `case`, unit and meaning; scores state their own. All are NaN for
+# trials that diverged.
 _TRIAL = ("trial",)
 _LAGS = ("trial", "lag")
 _VARIABLES = {
-    "arrival": ("scores.arrival", _TRIAL, "s", "when the robots had come to the leader's well; NaN: not at all"),
-    "formation": ("scores.formation", _TRIAL, "s", "when the common band began to hold for 5 s; NaN: never"),
-    "in_band": ("scores.in_band", _TRIAL, "1", "share of the time since arrival in the common band; NaN: not arrived"),
-    "contact": ("scores.contact", _TRIAL, "s", "when two footprints first overlapped; NaN: never"),
-    "overturned": ("scores.overturned", _TRIAL, "s", "when a body was first on its side or back; NaN: never"),
-    "settling": (
-        "scores.settling",
-        _TRIAL,
-        "s",
-        "1 % settling time of the mean distance to the leader",
-    ),
-    "settled": ("scores.settled", _TRIAL, "1", "1: settled, 0: not; NaN: collided or too short"),
-    "collision": ("scores.collision", _TRIAL, "1", "1: two centres came nearer than the collision distance"),
-    "collision_footprint": ("scores.collision_footprint", _TRIAL, "1", "1: two footprints overlapped"),
-    "completion": ("scores.completion", _TRIAL, "1", "1: formation within the method's own tolerance"),
-    "completion_common": ("scores.completion_common", _TRIAL, "1", "1: formation within 1 m"),
-    "top_speed": ("scores.top_speed", _TRIAL, "m/s", "highest speed of any robot"),
-    "closest": ("scores.closest", _TRIAL, "m", "smallest distance between two centres"),
+    **{
+        one.name: (f"scores.{one.name}", _TRIAL, one.metadata["unit"], one.metadata["meaning"])
+        for one in fields(Scores)
+    },
     "hull_contact": ("hull_contact", _TRIAL, "1", "1: a hull touched something; NaN for point masses"),
     "wheel_slip": ("wheel_slip", _TRIAL, "m/s", "largest slip of a tyre along its wheel; NaN for point masses"),
     "message_age": ("message_age", _TRIAL, "s", "mean age of the neighbours' positions when acted on"),
@@ -56,8 +45,7 @@ _VARIABLES = {
     "final_heading": ("final_heading", ("trial", "robot"), "rad", "heading at the end"),
     "trajectory_w": ("trajectory_w", ("recorded", "time", "robot", "axis"), "m", "path of the centre"),
 }
-# Those that older studies do not have.
-_FIRST_PASSAGES = ("arrival", "formation", "in_band", "contact", "overturned")
+_LATER = tuple(one.name for one in fields(Scores) if not one.metadata["always"])  # which older studies do not have
 
 
 def run(setup: Scenario, execution: Execution = _HERE, progress: Progress = lambda share: None) -> xr.Dataset:
@@ -135,7 +123,7 @@ def load(path: Path | str) -> xr.Dataset:
 
 def missing(study: xr.Dataset) -> list[str]:
     """Returns which of the variables that every version writes a Dataset lacks."""
-    expected = ("diverged", *(name for name in _VARIABLES if name not in _FIRST_PASSAGES), "error_lag")
+    expected = ("diverged", *(name for name in _VARIABLES if name not in _LATER), "error_lag")
     return [name for name in expected if name not in study.variables]
 
 

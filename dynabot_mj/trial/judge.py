@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dynabot_mj.common.arrays import Array, BoolArray
-from dynabot_mj.formation.metrics import Formation, Scores
-from dynabot_mj.formation.scorer import Scorer, interpolate
+from dynabot_mj.formation.metrics import Formation
+from dynabot_mj.formation.scorer import Scorer, Scores, interpolate
 from dynabot_mj.perception.error_statistics import ErrorRecorder, ErrorStatistics
 from dynabot_mj.plants.plant import FleetState, WheeledPlant
 from dynabot_mj.trial.loop import Event, Parts

@@ -55,8 +55,11 @@ def compared(study: xr.Dataset) -> Comparison:
 def document(comparison: Comparison) -> dict[str, Any]:
     """Returns the JSON document of `dynabot compare`, but for the time that it took."""
     return {
-        name: [asdict(one) for one in getattr(comparison, name)]
-        for name in ("rows", "paired", "interactions", "equivalences")
+        "rows": [case_rows.document(row) for row in comparison.rows],
+        **{
+            name: [asdict(one) for one in getattr(comparison, name)]
+            for name in ("paired", "interactions", "equivalences")
+        },
     }
 
 
@@ -65,7 +68,7 @@ def late(comparison: Comparison) -> str | None:
     found = [
         f"{100.0 * share.rate:.0f} % of {row.label}"
         for row in comparison.rows
-        if (share := row.arrival_s.not_arrived).rate is not None and share.rate > _MOST_LATE
+        if (share := row.measured["arrival_s"].not_arrived).rate is not None and share.rate > _MOST_LATE
     ]
     if not found:
         return None

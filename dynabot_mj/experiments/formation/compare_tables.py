@@ -1,7 +1,7 @@
 """A comparison as readable tables: by the measures that hold, by the paper's own, and its tests."""
 
 import itertools
-import math
+import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -9,17 +9,17 @@ import xarray as xr
 
 from dynabot_mj.common import tables
 from dynabot_mj.common.tables import Table
-from dynabot_mj.experiments.formation import compare, in_loop, paired_tests
-from dynabot_mj.experiments.formation.case_rows import ContactHazard, Settling
+from dynabot_mj.experiments.formation import cells, compare, in_loop, measures, paired_tests
 from dynabot_mj.experiments.formation.compare import Comparison
-from dynabot_mj.experiments.formation.measures import MEASURES, TESTED, Factor
+from dynabot_mj.experiments.formation.measure import Factor
+from dynabot_mj.experiments.formation.measures import MEASURES, PAIRED, TESTED
 from dynabot_mj.experiments.formation.paired_tests import Equivalence, Interaction, Paired
 from dynabot_mj.formation import laws
 from dynabot_mj.study import configuration
-from dynabot_mj.testbed.paper import ROBOTS, TABLE_III, TRIALS_TABLE_III, TableIIIRow
+from dynabot_mj.testbed.paper import ROBOTS, TABLE_III, TableIIIRow
 
 ALPHA = 0.05  # below which an adjusted p value is told as a difference
-_MEASURE = {one.name: one for one in MEASURES}
+_MEASURE = {one.name: one for one in PAIRED}
 
 
 def markdown(comparison: Comparison) -> str:
@@ -48,33 +48,29 @@ def title(study: xr.Dataset) -> str:
 
 def table(comparison: Comparison) -> Table:
     """Returns the cases by the measures that do not depend on the length of the run."""
+    shown = measures.columns("cases")
     body = []
     for estimator, group in itertools.groupby(comparison.rows, lambda one: one.estimator):
-        for index, one in enumerate(group):
-            formation = one.time_to_formation_s
+        for index, row in enumerate(group):
             body.append(
                 [
                     "" if index else estimator,
-                    one.plant,
-                    one.perception or "",
-                    f"{one.sample_period_ms:g}, {one.period_ms:g}",
-                    f"{one.alpha_h:g}, {one.alpha_d:g}",
-                    tables.mean_and_sd(one.arrival_s),
-                    tables.rate(one.arrival_s.not_arrived),
-                    tables.interval(formation),
-                    tables.median(formation.median),
-                    tables.rate(formation.without),
-                    tables.mean_and_sd(one.in_band_fraction, 100.0, 0),
-                    tables.rate(one.collision_footprint),
-                    _hazard(one.collision_hulls_per_min),
-                    tables.rate(one.completion_common),
-                    tables.mean_and_sd(one.top_speed_mps),
-                    f"{'-' if one.overturned is None else one.overturned}, {one.diverged}",
+                    row.plant,
+                    row.perception or "",
+                    f"{row.sample_period_ms:g}, {row.period_ms:g}",
+                    f"{row.alpha_h:g}, {row.alpha_d:g}",
+                    *(column.text(row.measured[one.name]) for one, column in shown),
+                    f"{'-' if row.overturned is None else row.overturned}, {row.diverged}",
                 ]
             )
-    note = _NOTE.format(horizon=f"{comparison.study.attrs['duration']:g} s")
+    note = _explained(dict.fromkeys([_NOTE, *(one.note for one, _ in shown)]))
+    note = note.format(horizon=f"{comparison.study.attrs['duration']:g} s")
+    header = ["estimator", "plant", "perception", "T_s, T_c [ms]", "gains"]
     return Table(
-        title=title(comparison.study), header=_HEADER, body=body, note="\n\n".join([note, *_remarks(comparison)])
+        title=title(comparison.study),
+        header=[*header, *(column.header for _, column in shown), "overturned, diverged"],
+        body=body,
+        note="\n\n".join([note, *_remarks(comparison)]),
     )
 
 
@@ -83,29 +79,28 @@ def reproduction(comparison: Comparison) -> Table:
     robots = comparison.study.sizes["robot"]
     # The paper has results for three robots only; beside another fleet they are a point of reference.
     paper = "paper" if robots == ROBOTS else f"paper, {ROBOTS} robots"
+    shown = [one for one in MEASURES if one.paper_columns]
     body = []
     for estimator, group in itertools.groupby(comparison.rows, lambda one: one.estimator):
         published = TABLE_III[estimator]
         body.append([estimator, paper, "", *_published(published)])
-        for one in group:
-            settling = one.settling_s
+        for row in group:
             body.append(
                 [
                     "",
-                    one.plant,
-                    one.perception or "",
-                    f"{one.period_ms:g}",
-                    f"{one.alpha_h:g}, {one.alpha_d:g}",
-                    tables.mean_and_sd(settling),
-                    _off(settling, published),
-                    f"{settling.n}" + (f" ({settling.hulls})" if settling.hulls else ""),
-                    tables.rate(settling.unsettled),
-                    "-" if one.collision is None else tables.rate(one.collision),
-                    tables.rate(one.completion),
+                    row.plant,
+                    row.perception or "",
+                    f"{row.period_ms:g}",
+                    f"{row.alpha_h:g}, {row.alpha_d:g}",
+                    *(column.text(row.measured[one.name], published) for one in shown for column in one.paper_columns),
                 ]
             )
+    header = ["estimator", "plant", "perception", "T_c [ms]", "gains"]
     return Table(
-        title="The paper's own measures, beside its Table III", header=_PAPER_HEADER, body=body, note=_PAPER_NOTE
+        title="The paper's own measures, beside its Table III",
+        header=[*header, *(column.header for one in shown for column in one.paper_columns)],
+        body=body,
+        note=_explained([*(one.note for one in shown), _PAPER_NOTE]),
     )
 
 
@@ -126,59 +121,14 @@ def tests(comparison: Comparison) -> list[Table]:
     return found
 
 
-_HEADER = [
-    "estimator",
-    "plant",
-    "perception",
-    "T_s, T_c [ms]",
-    "gains",
-    "arrival [s]",
-    "not arrived",
-    "formation [s]",
-    "median",
-    "not formed",
-    "in band [%]",
-    "hulls",
-    "hulls/min",
-    "band 1 m",
-    "top speed [m/s]",
-    "overturned, diverged",
-]
-_PAPER_HEADER = [
-    "estimator",
-    "plant",
-    "perception",
-    "T_c [ms]",
-    "gains",
-    "settling [s]",
-    "off [s.e.]",
-    "n",
-    "unsettled",
-    "collision",
-    "completion",
-]
 _TITLES: dict[Factor, str] = {
     "estimator": "Between estimators, on the same trials",
     "plant": "Particle minus rigid body, on the same trials",
     "perception": "Between perceptions, on the same trials",
 }
 
-_NOTE = """\
-Rates in % with 95 % Wilson intervals. Arrival: mean ± sd over the trials that arrived at the leader's well. Formation:
-when the common band began to hold for 5 s, as a mean restricted to {horizon}, which counts for trials that did not form
-or touched before, with its 95 % BCa interval; and as a median with its exact one, since a few trials at the horizon
-make the mean's hold less often. In band: share of the time since arrival. Hulls: footprints, which reach 1 cm beyond
-the hulls, overlap; per minute: first contacts after arrival over the time at risk, exact Poisson interval (in
-parentheses: trials left out, which touched before they arrived). Band 1 m: the band holds through the last 10 s and no
-hulls touched."""
-
-_PAPER_NOTE = """\
-Settling depends on the length of the run: it is measured against the trial's own end, and nothing is concluded from it.
-Its mean ± sd is over the n trials that settled and whose centres did not collide; behind n, how many of them had hulls
-overlap. Off: how far the mean is from the paper's, in standard errors of both, with 100 trials there. Collision is of
-centres, nearer than 0.40 m: of point masses only, since bodies are larger. Completion is within each method's own
-sigma, a wider target for a worse estimator, and is compared within a plant only; for perfect information it asks for
-all radii within 5 cm of the well's floor. Runs shorter than 13 s have none of them (-)."""
+_NOTE = "Rates in % with 95 % Wilson intervals."
+_PAPER_NOTE = "Runs shorter than 13 s have none of them (-)."
 
 _TEST_NOTE = """\
 Mean paired differences: 95 % BCa intervals and permutation tests; rates in percentage points, with score intervals and
@@ -213,24 +163,19 @@ def _remarks(comparison: Comparison) -> list[str]:
     return remarks
 
 
+def _explained(parts: Iterable[str]) -> str:
+    """Returns a paragraph of what explains a table, in lines of 120 columns."""
+    return textwrap.fill(" ".join(part for part in parts if part), 120)
+
+
 def _published(row: TableIIIRow) -> list[str]:
     """Returns the cells of a row of Table III, with its own period and gains."""
-    spread = "" if row.settling_sd is None else f" ± {row.settling_sd:g}"
-    rates = f"{100 * row.collision:.0f}", f"{100 * row.completion:.0f}"
-    gains = f"{row.alpha_h:g}, {row.alpha_d:g}"
-    return [f"{1e3 * row.period:g}", gains, f"{row.settling:g}{spread}", "", "", "", *rates]
-
-
-def _hazard(one: ContactHazard) -> str:
-    return tables.interval(one, 2) + (f" ({one.excluded})" if one.excluded else "")
-
-
-def _off(found: Settling, paper: TableIIIRow) -> str:
-    """Returns how far a settling time is from the paper's in standard errors of both, or nothing where unknown."""
-    if found.mean is None or found.sd is None or paper.settling_sd is None:
-        return ""
-    error = math.sqrt(found.sd**2 / found.n + paper.settling_sd**2 / TRIALS_TABLE_III)
-    return f"{(found.mean - paper.settling) / error:+.1f}"
+    found = [f"{1e3 * row.period:g}", f"{row.alpha_h:g}, {row.alpha_d:g}"]
+    for one in MEASURES:
+        if one.paper_columns:
+            value = cells.published(one.published(row)) if one.published else ""
+            found += [value, *[""] * (len(one.paper_columns) - 1)]
+    return found
 
 
 def _tests(
@@ -242,8 +187,8 @@ def _tests(
         body.setdefault(label, {})[one.metric] = _cell(one)
     return Table(
         title=name,
-        header=[*labels, *(f"{one.title} (n)" if one.name == "arrival_s" else one.title for one in TESTED)],
-        body=[[*label, *(cells[one.name] for one in TESTED)] for label, cells in body.items()],
+        header=[*labels, *(f"{one.title} (n)" if one.counted else one.title for one in TESTED)],
+        body=[[*label, *(texts[one.name] for one in TESTED)] for label, texts in body.items()],
         note=note,
     )
 
@@ -255,10 +200,10 @@ def _compared(one: Paired) -> tuple[str, str]:
 
 
 def _cell(one: Paired | Interaction) -> str:
-    text = _difference(one)
-    if one.metric == "arrival_s" and one.difference is not None:
+    text, measure = _difference(one), _MEASURE[one.metric]
+    if measure.counted and one.difference is not None:
         text += f" ({one.n})"
-    if one.metric == "time_to_formation_s" and one.median is not None:
+    if measure.censored and one.median is not None:
         middle = tables.median(one.median, sign="+")
         text += f", median {middle}" if middle != "-" else ""
     if one.p_holm is None:

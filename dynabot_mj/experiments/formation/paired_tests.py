@@ -9,6 +9,7 @@ one factor (of one table) are one family for Holm's adjustment.
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,7 +17,8 @@ import xarray as xr
 from dynabot_mj.common import intervals
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.intervals import Difference, Median
-from dynabot_mj.experiments.formation.measures import FACTORS, MEASURES, TESTED, Factor, Measure
+from dynabot_mj.experiments.formation.measure import FACTORS, Factor, PairedMeasure
+from dynabot_mj.experiments.formation.measures import PAIRED, TESTED
 
 _EQUIVALENCE_CONFIDENCE = 0.90  # of two one-sided tests at 5 %
 _FEWEST_EQUIVALENT = 10  # pairs, below which nothing is told equivalent
@@ -27,13 +29,7 @@ def margins(horizon: float) -> dict[str, float]:
 
     A second of arrival, a twentieth of the horizon [s] of the time to formation, a tenth of the trials or of the time.
     """
-    return {
-        "arrival_s": 1.0,
-        "time_to_formation_s": 0.05 * horizon,
-        "in_band_fraction": 0.1,
-        "collision_footprint": 0.1,
-        "completion_common": 0.1,
-    }
+    return {one.name: one.margin * (horizon if one.censored else 1.0) for one in TESTED if one.margin is not None}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +83,7 @@ def paired(study: xr.Dataset) -> list[Paired]:
                 p_holm=None,
             )
             for one, other in _pairs(study, factor)
-            for measure in MEASURES
+            for measure in PAIRED
         ]
         found += [replace(one, p_holm=p) for one, p in zip(family, intervals.holm([o.p for o in family]), strict=True)]
     return found
@@ -160,7 +156,7 @@ def _pairs(study: xr.Dataset, factor: Factor) -> Iterator[tuple[xr.Dataset, xr.D
         yield (other, one) if factor == "plant" and str(one.plant.item()) == "rigid" else (one, other)
 
 
-def _compared(measure: Measure, factor: Factor, one: xr.Dataset, other: xr.Dataset) -> Difference:
+def _compared(measure: PairedMeasure[Any], factor: Factor, one: xr.Dataset, other: xr.Dataset) -> Difference:
     """Compares two cases by a measure, as far as it may be."""
     if factor not in measure.factors:
         return Difference(difference=None, low=None, high=None, n=0, p=None)
@@ -169,7 +165,7 @@ def _compared(measure: Measure, factor: Factor, one: xr.Dataset, other: xr.Datas
 
 
 def _difference(
-    measure: Measure, one: xr.Dataset, other: xr.Dataset, confidence: float = intervals.CONFIDENCE
+    measure: PairedMeasure[Any], one: xr.Dataset, other: xr.Dataset, confidence: float = intervals.CONFIDENCE
 ) -> Difference:
     a, b = measure.values(one), measure.values(other)
     if measure.rate:
@@ -187,7 +183,7 @@ def _median(a: Array, b: Array, horizon: float) -> Median:
     return intervals.median_between(least, most)
 
 
-def _says_nothing(measure: Measure, one: xr.Dataset, other: xr.Dataset) -> bool:
+def _says_nothing(measure: PairedMeasure[Any], one: xr.Dataset, other: xr.Dataset) -> bool:
     """Tells whether two cases cannot be told equivalent: few pairs, all alike, or most of them beyond the horizon."""
     a, b = measure.values(one), measure.values(other)
     difference = (a - b)[np.isfinite(a - b)]

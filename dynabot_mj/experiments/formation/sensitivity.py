@@ -7,17 +7,17 @@ metre, and the order of the estimators by each, told as different only where Hol
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import xarray as xr
 
-from dynabot_mj.common import tables
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.common.intervals import Rate
 from dynabot_mj.common.tables import Table
-from dynabot_mj.experiments.formation import case_rows, paired_tests
+from dynabot_mj.experiments.formation import case_rows, measures, paired_tests
 from dynabot_mj.experiments.formation.case_rows import CaseRow
+from dynabot_mj.experiments.formation.measures import MEASURES
 from dynabot_mj.experiments.formation.paired_tests import Paired
 from dynabot_mj.study import scenario
 from dynabot_mj.study.scenario import Scenario
@@ -27,14 +27,7 @@ Run = Callable[[str, Scenario], xr.Dataset]
 
 ESTIMATORS: tuple[scenario.EstimatorName, ...] = ("gps", "decoupled", "coupled")
 ALPHA = 0.05
-# By which estimators are ordered, and whether more is better.
-RANKED = {"arrival_s": False, "time_to_formation_s": False, "collision_footprint": False, "completion_common": True}
-_TITLES = {
-    "arrival_s": "arrival",
-    "time_to_formation_s": "formation",
-    "collision_footprint": "hulls",
-    "completion_common": "band 1 m",
-}
+RANKED = {one.name: one.ranking for one in MEASURES if one.ranking is not None}  # by which estimators are ordered
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +45,7 @@ class Found:
     reading: str
     duration_s: float
     rows: Sequence[CaseRow]
-    ranking: Mapping[str, str]  # of `RANKED`, best first, see `ranking`
+    ranking: Mapping[str, str]  # by each of `RANKED`, best first, see `ranking`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,7 +155,7 @@ def examine(setup: Scenario, run: Run) -> Sensitivity:
 
 def value(row: CaseRow, metric: str) -> float | None:
     """Returns what a row says by a measure."""
-    found = getattr(row, metric)
+    found = row.measured[metric]
     shown: float | None = found.rate if isinstance(found, Rate) else found.mean
     return shown
 
@@ -178,7 +171,7 @@ def ranking(metric: str, rows: Sequence[CaseRow], differences: Sequence[Paired])
         rows: One of each estimator.
         differences: Between the estimators.
     """
-    sign = -1.0 if RANKED[metric] else 1.0
+    sign = -1.0 if RANKED[metric].better == "higher" else 1.0
     cost = {row.estimator: sign * mean for row in rows if (mean := value(row, metric)) is not None}
     known = sorted(cost, key=lambda name: cost[name])
     better = set()  # (which, than which)
@@ -206,7 +199,7 @@ def document(result: Sensitivity) -> dict[str, Any]:
                 "reading": one.reading,
                 "duration_s": one.duration_s,
                 "ranking": dict(one.ranking),
-                "rows": [asdict(row) for row in one.rows],
+                "rows": [case_rows.document(row) for row in one.rows],
             }
             for one in result.found
         ],
@@ -216,32 +209,23 @@ def document(result: Sensitivity) -> dict[str, Any]:
 def markdown(result: Sensitivity) -> str:
     """Returns the tables: the measures of each reading, and the order of the estimators."""
     body, orders, base = [], [], result.found[0]
+    shown = measures.columns("readings")
     for one in result.found:
         for index, row in enumerate(one.rows):
-            body.append(
-                [
-                    "" if index else one.reading,
-                    row.estimator,
-                    tables.mean_and_sd(row.arrival_s),
-                    tables.rate(row.arrival_s.not_arrived),
-                    tables.interval(row.time_to_formation_s),
-                    tables.rate(row.collision_footprint),
-                    tables.rate(row.completion_common),
-                    tables.rate(row.completion),
-                ]
-            )
+            told = (column.text(row.measured[measure.name]) for measure, column in shown)
+            body.append(["" if index else one.reading, row.estimator, *told])
         cells = [one.ranking[name] + ("" if one.ranking[name] == base.ranking[name] else " (!)") for name in RANKED]
         orders.append([one.reading, *cells])
     count = f"{result.trials} trials of {result.robots} point masses, seed {result.seed}"
-    header = ["reading", "estimator", "arrival [s]", "not arrived", "formation [s]", "hulls", "band 1 m", "own sigma"]
-    measures = Table(title=f"Sensitivity to the readings of the paper, {count}", header=header, body=body, note=_NOTE)
+    header = ["reading", "estimator", *(column.header for _, column in shown)]
+    values = Table(title=f"Sensitivity to the readings of the paper, {count}", header=header, body=body, note=_NOTE)
     ranks = Table(
         title="The order of the estimators, best first",
-        header=["reading", *_TITLES.values()],
+        header=["reading", *(one.title for one in RANKED.values())],
         body=orders,
         note=_RANKING_NOTE,
     )
-    return f"{measures.markdown(level=1)}\n\n{ranks.markdown()}\n"
+    return f"{values.markdown(level=1)}\n\n{ranks.markdown()}\n"
 
 
 _NOTE = """\

@@ -5,7 +5,7 @@ import math
 import xarray as xr
 
 from dynabot_mj.common import tables
-from dynabot_mj.experiments.formation import measures
+from dynabot_mj.experiments.formation import trial_values
 from dynabot_mj.experiments.formation.compare_tables import title
 
 
@@ -35,20 +35,20 @@ def markdown(case: xr.Dataset) -> str:
 
 
 def _time(case: xr.Dataset, name: str, otherwise: str) -> str:
-    value = float(measures.variable(case, name)[0])
+    value = float(trial_values.variable(case, name)[0])
     return otherwise if math.isnan(value) else f"{value:.2f} s"
 
 
 def _number(case: xr.Dataset, name: str, unit: str) -> str:
-    value = float(measures.variable(case, name)[0])
+    value = float(trial_values.variable(case, name)[0])
     return "-" if math.isnan(value) else f"{value:.3g} {unit}"
 
 
 def _share(case: xr.Dataset, name: str) -> str:
-    value = float(measures.variable(case, name)[0])
+    value = float(trial_values.variable(case, name)[0])
     return "-" if math.isnan(value) else f"{100.0 * value:.0f} %"
 
 
 def _yes(case: xr.Dataset, name: str) -> str:
-    value = float(measures.variable(case, name)[0])
+    value = float(trial_values.variable(case, name)[0])
     return "-" if math.isnan(value) else ("yes" if value == 1.0 else "no")

@@ -7,7 +7,7 @@ import numpy as np
 from dynabot_mj.common.arrays import Array, BoolArray
 from dynabot_mj.experiments.vehicle import period_ends
 from dynabot_mj.experiments.vehicle.period_ends import PeriodEnds
-from dynabot_mj.formation.metrics import Scores
+from dynabot_mj.formation.scorer import Scores
 from dynabot_mj.study import assembly
 from dynabot_mj.study.scenario import Case, Scenario
 from dynabot_mj.trial.judge import Outcome

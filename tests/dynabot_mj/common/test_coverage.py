@@ -76,7 +76,7 @@ def population():
 @pytest.mark.parametrize("name", ["arrival_s", "time_to_formation_s", "in_band_fraction"])
 @pytest.mark.parametrize(("a", "b"), [(0, None), (1, None), (2, None), (0, 1), (1, 2)])
 def test_bca_intervals_of_means_on_the_studys_own_distributions(population, name, a, b):
-    measure = next(one for one in measures.MEASURES if one.name == name)
+    measure = next(one for one in measures.PAIRED if one.name == name)
     values = measure.values(population.isel(case=a))
     if b is not None:
         values = values - measure.values(population.isel(case=b))

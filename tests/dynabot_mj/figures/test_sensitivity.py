@@ -14,9 +14,8 @@ def test_each_reading_has_a_line_and_each_estimator_a_mark_with_its_interval(dat
     row = case_rows.rows(dataset)[0]
 
     def of(name, contacts):
-        return replace(
-            row, estimator=name, collision_footprint=intervals.rate([1.0] * contacts + [0.0] * (4 - contacts))
-        )
+        collided = intervals.rate([1.0] * contacts + [0.0] * (4 - contacts))
+        return replace(row, estimator=name, measured={**row.measured, "collision_footprint": collided})
 
     found = [
         Found(reading="as it is", duration_s=14.0, rows=[of("gps", 1), of("coupled", 2)], ranking={}),

@@ -1,5 +1,5 @@
 import json
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +8,7 @@ import xarray as xr
 
 from dynabot_mj import study
 from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.formation.scorer import Scores
 from dynabot_mj.study import configuration, execution, provenance, scenario
 
 
@@ -39,6 +40,12 @@ def test_dataset_states_units_and_what_it_depends_on(dataset):
     assert "mujoco" in dataset.attrs["versions"]
     assert dataset.attrs["seed"] == 0
     assert dataset.control_period.values.tolist() == [0.027, 0.027]
+
+
+def test_every_score_is_a_variable_with_its_own_unit_and_meaning(dataset):
+    for one in fields(Scores):
+        assert dataset[one.name].dims == ("case", "trial")
+        assert dataset[one.name].attrs == {"units": one.metadata["unit"], "long_name": one.metadata["meaning"]}
 
 
 def test_netcdf_round_trip(dataset, tmp_path):

@@ -28,7 +28,7 @@ def test_cases_are_paired_that_differ_in_one_factor_and_perfect_is_no_choice(per
 
 def test_differences_are_of_the_same_trials_particle_minus_rigid(dataset):
     found = {one.metric: one for one in paired_tests.paired(dataset)}
-    assert set(found) == {one.name for one in measures.MEASURES}
+    assert set(found) == {one.name for one in measures.PAIRED}
     speed = found["top_speed_mps"]
     assert (speed.a, speed.b) == ("particle/gauss-markov/gps", "rigid/gauss-markov/gps")
     assert speed.difference == pytest.approx(float((dataset.top_speed[0] - dataset.top_speed[1]).mean()))

@@ -42,7 +42,8 @@ def test_estimators_that_cannot_be_told_apart_are_not_ranked(dataset):
     row = case_rows.rows(dataset)[0]
 
     def of(name, rate):
-        return replace(row, estimator=name, completion_common=replace(row.completion_common, rate=rate))
+        common = replace(row.measured["completion_common"], rate=rate)
+        return replace(row, estimator=name, measured={**row.measured, "completion_common": common})
 
     def paired(a, b, difference, p):
         return Paired(
