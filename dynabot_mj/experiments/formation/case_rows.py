@@ -89,7 +89,7 @@ class CaseRow:
     diverged: int
     velocity: str  # where the dissipation's comes from
     estimate_error: EstimateError | None  # None for perfect information
-    paper: Published
+    paper: Published | None  # None: it has no such row
 
     @property
     def label(self) -> str:
@@ -105,7 +105,6 @@ def rows(study: xr.Dataset) -> list[CaseRow]:
 def row(case: xr.Dataset) -> CaseRow:
     """Summarises one case of a study's Dataset."""
     estimator, plant = str(case.estimator.item()), str(case.plant.item())
-    published = TABLE_III[estimator]
     settling, arrival = measures.variable(case, "settling"), measures.variable(case, "arrival")
     # An older study does not tell what did not arrive from what it does not know.
     not_arrived = np.where(measures.restricted(case, "arrival") >= 0.0, np.isnan(arrival), np.nan)
@@ -143,8 +142,14 @@ def row(case: xr.Dataset) -> CaseRow:
         diverged=int(case.diverged.sum()),
         velocity=str(case.velocity.item()),
         estimate_error=in_loop.errors(case),
-        paper=Published(settling_s=published.settling, collision=published.collision, completion=published.completion),
+        paper=_published(estimator),
     )
+
+
+def _published(estimator: str) -> Published | None:
+    if (row := TABLE_III.get(estimator)) is None:
+        return None
+    return Published(settling_s=row.settling, collision=row.collision, completion=row.completion)
 
 
 def _restricted(case: xr.Dataset, name: str) -> Restricted:

@@ -75,13 +75,14 @@ def reproduction(comparison: Comparison) -> Table:
     paper = "paper" if robots == ROBOTS else f"paper, {ROBOTS} robots"
     body = []
     for estimator, group in itertools.groupby(comparison.rows, lambda one: one.estimator):
-        published = TABLE_III[estimator]
-        body.append([estimator, paper, "", *_published(published)])
-        for one in group:
+        published = TABLE_III.get(estimator)
+        if published is not None:
+            body.append([estimator, paper, "", *_published(published)])
+        for index, one in enumerate(group):
             settling = one.settling_s
             body.append(
                 [
-                    "",
+                    estimator if published is None and index == 0 else "",
                     one.plant,
                     one.perception or "",
                     f"{one.period_ms:g}",
@@ -215,9 +216,9 @@ def _hazard(one: ContactHazard) -> str:
     return tables.interval(one, 2) + (f" ({one.excluded})" if one.excluded else "")
 
 
-def _off(found: Settling, paper: TableIIIRow) -> str:
+def _off(found: Settling, paper: TableIIIRow | None) -> str:
     """Returns how far a settling time is from the paper's in standard errors of both, or nothing where unknown."""
-    if found.mean is None or found.sd is None or paper.settling_sd is None:
+    if found.mean is None or found.sd is None or paper is None or paper.settling_sd is None:
         return ""
     error = math.sqrt(found.sd**2 / found.n + paper.settling_sd**2 / TRIALS_TABLE_III)
     return f"{(found.mean - paper.settling) / error:+.1f}"

@@ -25,7 +25,7 @@ from dynabot_mj.testbed.paper import UTILISATION_TABLE_I
 
 Run = Callable[[str, Scenario], xr.Dataset]
 
-ESTIMATORS: tuple[scenario.EstimatorName, ...] = ("gps", "decoupled", "coupled")
+ESTIMATORS: tuple[str, ...] = ("gps", "decoupled", "coupled")
 ALPHA = 0.05
 # By which estimators are ordered, and whether more is better.
 RANKED = {"arrival_s": False, "time_to_formation_s": False, "collision_footprint": False, "completion_common": True}
@@ -76,7 +76,7 @@ def _surrogate(**values: Any) -> Callable[[Scenario], Scenario]:
 def _methods(**values: Any) -> Callable[[Scenario], Scenario]:
     def changed(setup: Scenario) -> Scenario:
         rows = {name: replace(scenario.method(setup, name), **values) for name in ESTIMATORS}
-        return replace(setup, method=replace(setup.method, **rows))
+        return replace(setup, method={**setup.method, **rows})
 
     return changed
 

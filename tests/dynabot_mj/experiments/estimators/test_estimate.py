@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from dynabot_mj import cli
-from dynabot_mj.estimation import build
 from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.experiments.estimators import estimate, kinematic
 from dynabot_mj.figures import log as log_figure
+from dynabot_mj.perception import estimators
 from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.faults import Fault
 from dynabot_mj.sensing.logs import log as logs
@@ -32,7 +32,7 @@ def found(log):
 
 
 def test_the_summary_is_that_of_the_tracks(found, log):
-    assert [row.estimator for row in found.rows] == list(build.NAMES) == list(found.tracks)
+    assert [row.estimator for row in found.rows] == list(estimators.NAMES) == list(found.tracks)
     for row in found.rows:
         track = found.tracks[row.estimator]
         known = track.known[:, 0]
