@@ -80,11 +80,11 @@ __all__ = [
 if TYPE_CHECKING:
     from dynabot_mj.common.exceptions import DynabotError, InfeasibleScheduleError, InputError, OutOfFittedRangeError
     from dynabot_mj.environment.task import load as load_environment
-    from dynabot_mj.estimation.build import build as build_estimator
     from dynabot_mj.estimation.estimator import Estimator
     from dynabot_mj.estimation.measurements import GpsFix, ImuSample
     from dynabot_mj.experiments.formation.compare import compared as compare
     from dynabot_mj.experiments.formation.compare_tables import markdown as comparison_markdown
+    from dynabot_mj.perception.estimators import build as build_estimator
     from dynabot_mj.plants.particle import ParticlePlant
     from dynabot_mj.plants.plant import FleetState
     from dynabot_mj.plants.rigid_body import RigidBodyPlant
@@ -124,7 +124,7 @@ else:  # hidden from type checkers, which would believe every name to be here
         "Radio": "testbed.radio:Radio",
         "RigidBodyPlant": "plants.rigid_body:RigidBodyPlant",
         "Scenario": "study.scenario:Scenario",
-        "build_estimator": "estimation.build:build",
+        "build_estimator": "perception.estimators:build",
         "build_scenario": "study.configuration:build",
         "cases": "study.scenario:cases",
         "compare": "experiments.formation.compare:compared",

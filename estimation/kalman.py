@@ -28,6 +28,23 @@ class Update:
     accepted: BoolArray  # (M,)
 
 
+def taken(innovation: Array) -> Update:
+    """Returns what a measurement did to a filter that takes everything and knows no covariances: NaN stands for them.
+
+    Args:
+        innovation: nu, (M, m).
+    """
+    count, size = innovation.shape
+    return Update(
+        state=np.full((count, 0), np.nan),
+        covariance=np.full((count, 0, 0), np.nan),
+        innovation=innovation,
+        innovation_covariance=np.full((count, size, size), np.nan),
+        squared=np.full(count, np.nan),
+        accepted=np.ones(count, dtype=bool),
+    )
+
+
 @functools.cache
 def threshold(share: float, components: int) -> float:
     """Returns the value that a consistent filter's NIS stays below.

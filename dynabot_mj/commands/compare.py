@@ -22,12 +22,12 @@ _READINGS = ".readings"  # folder of the finished parts of a sensitivity study, 
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    from dynabot_mj.study.scenario import ESTIMATORS, PERCEPTIONS, PLANTS
+    from dynabot_mj.study.scenario import PERCEPTIONS, PLANTS
 
     command = parsers.command(commands, compare, parsers.study(), parsers.execution())
     command.add_argument("--trials", type=int, help="trials of each case (default 100)")
     command.add_argument("--plants", nargs="+", choices=PLANTS)
-    command.add_argument("--estimators", nargs="+", choices=ESTIMATORS)
+    command.add_argument("--estimators", nargs="+", metavar="NAME", help=parsers.methods_help())
     command.add_argument(
         "--perception",
         nargs="+",

@@ -6,15 +6,18 @@ from dataclasses import asdict
 from pathlib import Path
 
 from dynabot_mj.commands import parsers, results
+from dynabot_mj.common.exceptions import InputError, suggestion
 
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    from dynabot_mj.estimation.build import IMPLEMENTATIONS, NAMES
+    from dynabot_mj.perception.estimators import IMPLEMENTATIONS, NAMES
 
     command = parsers.command(commands, estimate, parsers.shared())
     command.add_argument("log", type=Path, metavar="LOG", help="CSV or NetCDF of sensor samples, see docs/logs.md")
-    command.add_argument("--estimators", nargs="+", choices=NAMES, default=NAMES, help="default all")
+    command.add_argument(
+        "--estimators", nargs="+", metavar="NAME", help=f"{', '.join(NAMES)}, or of the configuration; default all"
+    )
     command.add_argument(
         "--filters", choices=IMPLEMENTATIONS, default=IMPLEMENTATIONS[0], help="implementation (default batched)"
     )
@@ -26,7 +29,6 @@ def add(commands: parsers.Commands) -> None:
 
 def estimate(options: argparse.Namespace) -> None:
     """Runs estimators over a recorded log of sensor samples."""
-    from dynabot_mj.estimation.build import NAMES
     from dynabot_mj.experiments.estimators import circle
     from dynabot_mj.experiments.estimators import estimate as experiment
     from dynabot_mj.figures import log as log_figure
@@ -36,18 +38,28 @@ def estimate(options: argparse.Namespace) -> None:
     from dynabot_mj.study import configuration
 
     tree = configuration.read(options.config) if options.config else {}
-    parameters = circle.request(tree, str(options.config)).filter
+    request = circle.request(tree, str(options.config))
+    own = {name: str(row.filter) for name, row in (request.method or {}).items()}
+    chosen = options.estimators or request.estimators
+    for name in chosen:
+        if name not in request.estimators:
+            allowed = ", ".join(request.estimators)
+            raise InputError(
+                f"--estimators {name} given, it must be one of {allowed}{suggestion(name, request.estimators)}"
+            )
+    if own and options.filters == "filterpy" and set(own) & set(chosen):
+        raise InputError(f"--filters filterpy given with {next(iter(own))}, which is not on FilterPy")
     log = logs.read(options.log)
     depends_on = {
         "log": {"name": options.log.name, "digest": hashlib.sha256(options.log.read_bytes()).hexdigest()[:16]},
-        "estimators": list(options.estimators),
+        "estimators": list(chosen),
         "filters": options.filters,
-        "filter": asdict(parameters),
+        "filter": asdict(request.filter),
     }
-    names = ("estimate.json", "estimate.md", "estimate.png", *(f"track_{name}.csv" for name in NAMES))
+    names = ("estimate.json", "estimate.md", "estimate.png", *(f"track_{name}.csv" for name in request.estimators))
     with results.opened(options, "estimate", depends_on, names) as folder:
         with progress.shown("estimate") as tell:
-            found = experiment.run(options.log.name, log, options.estimators, options.filters, parameters, tell)
+            found = experiment.run(options.log.name, log, chosen, options.filters, request.filter, tell, own)
         document, text = experiment.document(found), experiment.markdown(found)
         with results.report(options, folder, "estimate", document, text) as draft:
             for name, track in found.tracks.items():

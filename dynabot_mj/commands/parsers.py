@@ -87,6 +87,13 @@ def study() -> argparse.ArgumentParser:
     return parser
 
 
+def methods_help() -> str:
+    """Returns what `--estimators` may be."""
+    from dynabot_mj.perception.methods import METHODS
+
+    return f"{', '.join(METHODS)}, or a method of yours, see docs/own-estimator.md"
+
+
 def execution() -> argparse.ArgumentParser:
     """Returns how a study of several parts is executed."""
     parser = argparse.ArgumentParser(add_help=False)

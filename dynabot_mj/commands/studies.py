@@ -43,8 +43,9 @@ def build(options: argparse.Namespace, defaults: Mapping[str, Any] = _NONE, **ot
 
     given = {**{name: getattr(options, name, None) for name in SCIENCE}, **others}
     tables = configuration.TABLES
+    single = {"estimators": "estimator", "plants": "plant"} if hasattr(options, "estimator") else {}
     typed = {
-        f"{tables[name]}.{name}" if name in tables else name: f"--{_OPTIONS.get(name, name)}"
+        f"{tables[name]}.{name}" if name in tables else name: f"--{single.get(name) or _OPTIONS.get(name, name)}"
         for name, value in given.items()
         if value is not None
     }

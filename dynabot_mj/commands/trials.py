@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from dynabot_mj.commands import studies
+from dynabot_mj.commands import parsers, studies
 from dynabot_mj.common.exceptions import InputError
 
 _CHOICES = {"plants": "plant", "estimators": "estimator", "perception": "perception"}  # key and option
@@ -13,12 +13,12 @@ _CHOICES = {"plants": "plant", "estimators": "estimator", "perception": "percept
 
 def parser() -> argparse.ArgumentParser:
     """Returns the options that choose the trial, beside those of `parsers.science`."""
-    from dynabot_mj.estimation.build import IMPLEMENTATIONS
-    from dynabot_mj.study.scenario import ESTIMATORS, PERCEPTIONS, PLANTS
+    from dynabot_mj.perception.estimators import IMPLEMENTATIONS
+    from dynabot_mj.study.scenario import PERCEPTIONS, PLANTS
 
     parser = argparse.ArgumentParser(add_help=False)
     parser.add_argument("--plant", choices=PLANTS, help="default rigid")
-    parser.add_argument("--estimator", choices=ESTIMATORS, help="default decoupled")
+    parser.add_argument("--estimator", metavar="NAME", help=f"{parsers.methods_help()} (default decoupled)")
     parser.add_argument("--perception", choices=PERCEPTIONS, help="default gauss-markov")
     parser.add_argument(
         "--filters",
@@ -85,9 +85,7 @@ def _reproduced(options: argparse.Namespace) -> Any:
         raise InputError(f"trial {number} given, the study has {study.trial.values[0]} to {study.trial.values[-1]}")
     setup = configuration.load(study.attrs["configuration"], str(path))
     if name := saved.changed_input(study):
-        raise InputError(
-            f"the {name} {getattr(setup.vehicle, name, setup.controller)!r} of {path} has changed since that study"
-        )
+        raise InputError(f"the {name} {provenance.given(setup, name)!r} of {path} has changed since that study")
     if (then := study.attrs.get("versions")) != (now := provenance.versions()):
         print(f"dynabot: that study was run by {then}, this is {now}: the trial may differ", file=sys.stderr)
     return scenario.one_trial(setup, label, number)

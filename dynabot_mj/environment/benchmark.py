@@ -18,7 +18,7 @@ from dynabot_mj.common import tables
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.environment import task
 from dynabot_mj.environment.task import Action, Observation
-from dynabot_mj.study.scenario import ESTIMATORS, EstimatorName
+from dynabot_mj.study.scenario import ESTIMATORS
 
 _DURATION = 20.0  # of what is timed at once [s]
 _CHANGE = 1.0  # after which there is another action [s]
@@ -29,7 +29,7 @@ _LARGEST = 20.0  # force on an axis [N], wheel speed [rad/s]
 class StepRate:
     """One kind of environment."""
 
-    estimator: EstimatorName
+    estimator: str
     period_ms: float  # T_c
     action: Action
     observation: Observation
@@ -46,7 +46,7 @@ def run(robots: int, repetitions: int, progress: Callable[[float], None] = lambd
         repetitions: Of each time.
         progress: Told the share of the work that is done.
     """
-    kinds: list[tuple[EstimatorName, Action, Observation]] = [
+    kinds: list[tuple[str, Action, Observation]] = [
         (estimator, action, observation)
         for estimator in ESTIMATORS
         for action in get_args(Action)
@@ -92,7 +92,7 @@ def markdown(rows: list[StepRate], robots: int, repetitions: int) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _row(robots: int, repetitions: int, estimator: EstimatorName, action: Action, observation: Observation) -> StepRate:
+def _row(robots: int, repetitions: int, estimator: str, action: Action, observation: Observation) -> StepRate:
     env = task.load(robots, action, observation, estimator, 2.0 * _DURATION)
     period = env.control_timestep()
     steps, per_action = round(_DURATION / period), round(_CHANGE / period)

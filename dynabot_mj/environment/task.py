@@ -42,7 +42,7 @@ from dynabot_mj.formation.starts import starts
 from dynabot_mj.host import opengl
 from dynabot_mj.plants import scene
 from dynabot_mj.study import assembly, configuration, fleet, scenario
-from dynabot_mj.study.scenario import Case, EstimatorName, Scenario
+from dynabot_mj.study.scenario import Case, Scenario
 from dynabot_mj.testbed.radio import Radio
 from dynabot_mj.trial.team import Team
 
@@ -58,7 +58,7 @@ def load(
     robots: int = 3,
     action: Action = "force",
     observation: Observation = "truth",
-    estimator: EstimatorName = "decoupled",
+    estimator: str = "decoupled",
     duration: float = 80.0,
     seed: int = 0,
 ) -> "FormationEnvironment":

@@ -7,12 +7,12 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from dynabot_mj.common.legend import (
-    METHOD_NAMES,
     PERCEPTION_COLOURS,
     PERCEPTION_NAMES,
     PLANT_NAMES,
 )
 from dynabot_mj.figures.style import STYLE
+from dynabot_mj.perception import methods
 
 
 def errors(study: xr.Dataset) -> Figure | None:
@@ -53,7 +53,7 @@ def errors(study: xr.Dataset) -> Figure | None:
             axis.set_xlim(0.0, 40.0)
             axis.set_xticks([0.0, 0.1, 1.0, 10.0], ["0", "0.1", "1", "10"])
             axis.axhline(0.0, color="#888888", linewidth=0.8)
-            axis.set_title(METHOD_NAMES[estimator])
+            axis.set_title(methods.label(estimator))
             axis.set_xlabel("lag [s]")
             axis.legend(fontsize=7.5, loc="upper center", bbox_to_anchor=(0.5, -0.16), handlelength=3.5)
         axes[0, 0].set_ylabel("autocorrelation of the position error")

@@ -10,8 +10,6 @@ from matplotlib.patches import Patch
 
 from dynabot_mj.common.intervals import Hazard, Mean, MeanInterval, Rate
 from dynabot_mj.common.legend import (
-    METHOD_COLOURS,
-    METHOD_NAMES,
     PERCEPTION_NAMES,
     PLANT_NAMES,
 )
@@ -19,6 +17,7 @@ from dynabot_mj.experiments.formation import measures
 from dynabot_mj.experiments.formation.case_rows import CaseRow
 from dynabot_mj.experiments.formation.compare import Comparison
 from dynabot_mj.figures.style import STYLE
+from dynabot_mj.perception import methods
 from dynabot_mj.testbed import paper
 
 _PLANT_ALPHA = {"particle": 0.45, "rigid": 1.0}
@@ -40,8 +39,8 @@ def table_iii(comparison: Comparison) -> Figure:
     told = measures.panels("table_iii")
 
     def published(estimator: str) -> list[_Bar]:
-        row = paper.TABLE_III[estimator]
-        return [_bar(one.published(row), one.scale) if one.published else _NOTHING for one, _ in told]
+        row = paper.TABLE_III.get(estimator)
+        return [_bar(one.published(row), one.scale) if row and one.published else _NOTHING for one, _ in told]
 
     trials, seed = comparison.study.sizes["trial"], comparison.study.attrs["seed"]
     return _bars(
@@ -90,7 +89,7 @@ def _bars(
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(1, len(titles), figsize=(3.3 * len(titles) + 1.1, 4.0), layout="constrained")
         for index, estimator in enumerate(estimators):
-            colour = METHOD_COLOURS[estimator]
+            colour = methods.colour(estimator)
             groups: list[tuple[list[_Bar], dict[str, Any]]] = []
             if published is not None:
                 groups.append((published(estimator), {"facecolor": "white", "edgecolor": colour, "hatch": "////"}))
@@ -103,7 +102,7 @@ def _bars(
                     axis.errorbar(place, height, reach, color="#222222", linewidth=1.0, capsize=6.0 * width)
         for axis, name in zip(axes, titles, strict=True):
             axis.set_title(name, fontsize=10.5)
-            axis.set_xticks(range(len(estimators)), [METHOD_NAMES[name].replace(" ", "\n") for name in estimators])
+            axis.set_xticks(range(len(estimators)), [methods.label(name).replace(" ", "\n") for name in estimators])
             axis.grid(axis="x", visible=False)
             axis.set_ylim(0.0, 105.0 if "%" in name else None)
             axis.set_xlim(-0.6, max(len(estimators), 2) - 0.4)

@@ -1,5 +1,7 @@
 """Figures of the tether experiment: the paper's Fig. 3, and errors beside what the filters believed of them."""
 
+import string
+
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
@@ -8,14 +10,12 @@ from matplotlib.markers import MarkerStyle
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
-from dynabot_mj.common import legend
 from dynabot_mj.common.arrays import Array
-from dynabot_mj.common.legend import METHOD_COLOURS
-from dynabot_mj.estimation.build import NAMES, Name
 from dynabot_mj.estimation.measurements import rotation, wrap
 from dynabot_mj.experiments.estimators import circle
 from dynabot_mj.experiments.estimators.circle import Chunk, CircleOutcome
 from dynabot_mj.figures.style import STYLE
+from dynabot_mj.perception import methods
 
 _RUN = 0  # which of the example's is drawn
 _ACTUAL, _FITTED, _FARTHEST = "#B8B8B8", "#111111", "#D00000"
@@ -34,12 +34,15 @@ def paths(outcome: CircleOutcome) -> Figure:
     """
     along = outcome.request.path == "line"
     with plt.rc_context(STYLE):
-        arrangement, size = ((3, 1), (10.0, 8.4)) if along else ((1, 3), (11.5, 1.6 + 3.3 * _slimness(outcome)))
+        names = outcome.request.estimators
+        count = len(names)
+        wide = (0.1 + 3.8 * count, 1.6 + 3.3 * _slimness(outcome))
+        arrangement, size = ((count, 1), (10.0, 2.8 * count)) if along else ((1, count), wide)
         figure, axes = plt.subplots(*arrangement, figsize=size, sharex=True, sharey=True, layout="constrained")
-        for axis, name, letter in zip(axes, NAMES, "abc", strict=True):
+        for axis, name, letter in zip(axes, names, string.ascii_lowercase, strict=False):
             farthest = _draw_paths(axis, outcome, name)
             axis.set_title(
-                f"({letter}) {legend.method(name)}" + (f": {farthest:.2f} m" if np.isfinite(farthest) else "")
+                f"({letter}) {methods.label(name)}" + (f": {farthest:.2f} m" if np.isfinite(farthest) else "")
             )
             if along:
                 axis.set_ylabel("across [m]")
@@ -63,11 +66,13 @@ def errors(outcome: CircleOutcome) -> Figure:
     """
     chunk = outcome.example
     with plt.rc_context(STYLE):
-        figure, axes = plt.subplots(3, 3, figsize=(14.0, 7.6), sharex=True, sharey="row", layout="constrained")
-        for column, name in zip(axes.T, NAMES, strict=True):
-            column[0].set_title(legend.method(name))
+        names = outcome.request.estimators
+        size = (14.0 / 3.0 * len(names), 7.6)
+        figure, axes = plt.subplots(3, len(names), figsize=size, sharex=True, sharey="row", layout="constrained")
+        for column, name in zip(axes.T, names, strict=True):
+            column[0].set_title(methods.label(name))
             for axis, (wrong, deviation) in zip(column, _errors(chunk, name), strict=True):
-                _draw_error(axis, chunk.truth.time, wrong, deviation, METHOD_COLOURS[name])
+                _draw_error(axis, chunk.truth.time, wrong, deviation, methods.colour(name))
             column[-1].set(xlabel="time [s]", xlim=(0.0, chunk.truth.time[-1]))
         labels = ("error of x [m]", "error of y [m]", "error of heading [deg]")
         for axis, label, largest in zip(axes[:, 0], labels, _largest(chunk), strict=True):
@@ -78,7 +83,7 @@ def errors(outcome: CircleOutcome) -> Figure:
     return figure
 
 
-def _draw_paths(axis: Axes, outcome: CircleOutcome, name: Name) -> float:
+def _draw_paths(axis: Axes, outcome: CircleOutcome, name: str) -> float:
     """Draws one estimator's panel and returns the largest distance from the best fit [m]."""
     chunk = outcome.example
     track, fitted = chunk.tracks[name], chunk.fits[name]
@@ -93,7 +98,7 @@ def _draw_paths(axis: Axes, outcome: CircleOutcome, name: Name) -> float:
 
     known = track.known[judged, _RUN]
     estimate = np.where(known, shown(track.position_w[judged, _RUN]), np.nan)
-    colour = METHOD_COLOURS[name]
+    colour = methods.colour(name)
     axis.plot(*shown(chunk.truth.position_w[judged, _RUN]), color=_ACTUAL, linewidth=3.0, label="actual path")
     axis.plot(*estimate, color=colour, linewidth=0.8, alpha=0.75, label="estimated path")
     axis.plot(*shown(fitted.path_w[:, _RUN]), color=_FITTED, linewidth=1.2, label="best-fit actual path")
@@ -114,7 +119,7 @@ def _draw_paths(axis: Axes, outcome: CircleOutcome, name: Name) -> float:
     return farthest
 
 
-def _errors(chunk: Chunk, name: Name) -> tuple[tuple[Array, Array], ...]:
+def _errors(chunk: Chunk, name: str) -> tuple[tuple[Array, Array], ...]:
     """Returns errors and believed deviations of x, y [m] and heading [deg], each (N,); NaN where nothing is known."""
     track, truth = chunk.tracks[name], chunk.truth
     unknown = np.where(track.known[:, _RUN], 0.0, np.nan)
@@ -135,7 +140,7 @@ def _largest(chunk: Chunk) -> Array:
             np.nanmax(np.append(np.abs(wrong), 3.0 * deviation[chunk.first :]))
             for wrong, deviation in _errors(chunk, name)
         ]
-        for name in NAMES
+        for name in chunk.tracks
         if chunk.tracks[name].known[:, _RUN].any()
     ]
     return np.max(np.array([[1e-3] * 3, *shown]), axis=0)

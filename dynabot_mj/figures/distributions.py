@@ -12,12 +12,13 @@ from matplotlib.figure import Figure
 
 from dynabot_mj.common import legend
 from dynabot_mj.common.arrays import Array
-from dynabot_mj.common.legend import METHOD_COLOURS, PERCEPTION_COLOURS
+from dynabot_mj.common.legend import PERCEPTION_COLOURS
 from dynabot_mj.experiments.formation import paired_tests, trial_values
 from dynabot_mj.experiments.formation.compare import Comparison
 from dynabot_mj.experiments.formation.measures import PAIRED
 from dynabot_mj.experiments.formation.paired_tests import Paired
 from dynabot_mj.figures.style import STYLE
+from dynabot_mj.perception import methods
 from dynabot_mj.study import configuration
 
 _LINES = {"rigid": "-", "particle": (0, (3.0, 1.4))}
@@ -125,13 +126,13 @@ def _panels(study: xr.Dataset, draw: Callable[..., str], across: str, up: str) -
             for case in of_method:
                 plant, perception = str(case.plant.item()), str(case.perception.item())
                 several = len(perceptions) > 1
-                colour = PERCEPTION_COLOURS[perception] if several else METHOD_COLOURS[estimator]
+                colour = PERCEPTION_COLOURS[perception] if several else methods.colour(estimator)
                 name = legend.PLANT_NAMES[plant]
                 if several:
                     name += f", {legend.PERCEPTION_NAMES[perception]}"
                 counted = draw(axis, case, color=colour, linestyle=_LINES[plant], linewidth=1.7)
                 axis.lines[-1].set_label(f"{name}: {counted}")
-            axis.set_title(legend.METHOD_NAMES[estimator])
+            axis.set_title(methods.label(estimator))
             axis.xaxis.set_tick_params(labelbottom=True)
             axis.set_xlabel(across)
             axis.legend(fontsize=8.5, loc="upper left", bbox_to_anchor=(-0.02, -0.2), handlelength=2.8)
@@ -155,7 +156,7 @@ def _interval(axis: Axes, place: int, one: Paired, scale: float) -> None:
     estimator = one.a.rsplit("/", 1)[1]
     if one.difference is None:
         return
-    colour = METHOD_COLOURS[estimator]
+    colour = methods.colour(estimator)
     if one.low is not None and one.high is not None:
         axis.plot([scale * one.low, scale * one.high], [place, place], color=colour, linewidth=2.4)
     axis.plot(scale * one.difference, place, "o", color=colour, markersize=6)
@@ -164,4 +165,4 @@ def _interval(axis: Axes, place: int, one: Paired, scale: float) -> None:
 def _case_name(case: str, several: bool) -> str:
     """Returns the method's name, with its perception where there are several."""
     *perception, estimator = case.split("/")
-    return legend.method(estimator, perception[0] if perception and several else None)
+    return methods.label(estimator, perception[0] if perception and several else None)

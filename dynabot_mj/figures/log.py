@@ -12,12 +12,11 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
 from dynabot_mj.common.arrays import Array, BoolArray
-from dynabot_mj.common.legend import METHOD_COLOURS, METHOD_NAMES
-from dynabot_mj.estimation.build import Name
 from dynabot_mj.estimation.measurements import STALE
 from dynabot_mj.experiments.estimators import estimate
 from dynabot_mj.experiments.estimators.estimate import Replay
 from dynabot_mj.figures.style import STYLE
+from dynabot_mj.perception import methods
 from dynabot_mj.sensing.logs.log import Log
 from dynabot_mj.sensing.replay import Track
 
@@ -52,7 +51,7 @@ def replay(found: Replay) -> Figure:
         )
         for column, (name, track) in enumerate(found.tracks.items()):
             shown = axes[:, column]
-            shown[0].set_title(METHOD_NAMES[name])
+            shown[0].set_title(methods.label(name))
             _draw_map(shown[0], log, name, track)
             (_draw_errors if judged else _draw_beliefs)(shown[1:], log, name, track)
             for axis in shown[1:]:
@@ -68,24 +67,24 @@ def replay(found: Replay) -> Figure:
     return figure
 
 
-def _draw_map(axis: Axes, log: Log, name: Name, track: Track) -> None:
+def _draw_map(axis: Axes, log: Log, name: str, track: Track) -> None:
     known = track.known[:, 0]
     x, y = _shown(track.position_w[:, 0], known).T
     axis.plot(*log.fix_position_w.T, ".", color=_FIX, markersize=3.0, label="fixes")
     if log.position_w is not None:
         axis.plot(*log.position_w.T, color=_TRUTH, linewidth=1.0, linestyle="--", label="truth")
-    axis.plot(x, y, color=METHOD_COLOURS[name], linewidth=1.1)
+    axis.plot(x, y, color=methods.colour(name), linewidth=1.1)
     # Evenly along the time that is known.
     rows = np.flatnonzero(known)
     rows = rows[np.linspace(0, len(rows) - 1, min(_TRIANGLES, len(rows))).astype(int)]
     for row in rows:
         marker = MarkerStyle(_TRIANGLE, transform=Affine2D().rotate(track.heading[row, 0]))
-        axis.plot(x[row], y[row], marker=marker, **_POINTER, color=METHOD_COLOURS[name])
+        axis.plot(x[row], y[row], marker=marker, **_POINTER, color=methods.colour(name))
     axis.plot([], [], marker=_TRIANGLE, **_POINTER, color="#777777", linewidth=1.3, label="estimate and its heading")
     axis.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
 
 
-def _draw_errors(axes: Array, log: Log, name: Name, track: Track) -> None:
+def _draw_errors(axes: Array, log: Log, name: str, track: Track) -> None:
     """Draws errors of x, y and heading between three deviations of what the estimator believed."""
     wrong, known = estimate.errors(log, track), track.known[:, 0]
     sigma = estimate.position_sigma(track)
@@ -95,16 +94,16 @@ def _draw_errors(axes: Array, log: Log, name: Name, track: Track) -> None:
         (axes[2], "heading error [deg]", np.degrees(wrong.heading), np.degrees(np.sqrt(track.heading_variance[:, 0]))),
     ):
         time, bound = log.time - log.time[0], 3.0 * _shown(deviation, known)
-        axis.fill_between(time, -bound, bound, color=METHOD_COLOURS[name], alpha=0.18, linewidth=0.0)
-        axis.plot(time, values, color=METHOD_COLOURS[name], linewidth=1.0)
+        axis.fill_between(time, -bound, bound, color=methods.colour(name), alpha=0.18, linewidth=0.0)
+        axis.plot(time, values, color=methods.colour(name), linewidth=1.0)
         axis.axhline(0.0, color=_TRUTH, linewidth=0.6)
         axis.set_ylabel(label)
     axes[0].set_title("error, and three standard deviations as believed", fontsize=9)
 
 
-def _draw_beliefs(axes: Array, log: Log, name: Name, track: Track) -> None:
+def _draw_beliefs(axes: Array, log: Log, name: str, track: Track) -> None:
     """Draws the deviations that the estimator believed, and the age of the last fix that it believed."""
-    known, colour, time = track.known[:, 0], METHOD_COLOURS[name], log.time - log.time[0]
+    known, colour, time = track.known[:, 0], methods.colour(name), log.time - log.time[0]
     sigma = _shown(estimate.position_sigma(track), known)
     heading = _shown(np.degrees(np.sqrt(track.heading_variance[:, 0])), known)
     axes[0].plot(time, np.hypot(*sigma.T), color=colour, linewidth=1.0)

@@ -13,8 +13,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from dynabot_mj.common import legend
 from dynabot_mj.common.arrays import Array
-from dynabot_mj.common.legend import METHOD_COLOURS, ROBOT_COLOURS
+from dynabot_mj.common.legend import ROBOT_COLOURS
 from dynabot_mj.figures.style import STYLE
+from dynabot_mj.perception import methods
 from dynabot_mj.study import assembly
 from dynabot_mj.viewing.recording import Recording
 
@@ -47,7 +48,7 @@ def message_age(recordings: Sequence[Recording]) -> Figure:
     def draw(axis: Axes, recording: Recording) -> None:
         pairs = ~np.eye(recording.heard_age.shape[-1], dtype=bool)
         low, mean, high = _running(recording.time, 1e3 * recording.heard_age[:, pairs])
-        colour = METHOD_COLOURS[recording.case.estimator]
+        colour = methods.colour(recording.case.estimator)
         axis.fill_between(
             recording.time, low, high, color=colour, alpha=0.18, linewidth=0.0, label=f"all pairs within {_WINDOW:g} s"
         )
@@ -89,7 +90,7 @@ def estimate_error(recordings: Sequence[Recording]) -> Figure | None:
     def draw(axis: Axes, recording: Recording) -> None:
         error = recording.believed_w[:, 0, 0] - recording.position_w[:, 0, 0]
         bound = 3.0 * np.sqrt(recording.covariance[:, 0, 0, 0])
-        colour = METHOD_COLOURS[recording.case.estimator]
+        colour = methods.colour(recording.case.estimator)
         axis.fill_between(
             recording.time, -bound, bound, color=colour, alpha=0.18, linewidth=0.0, label="±3σ, as believed"
         )
@@ -170,4 +171,4 @@ def _running(time: Array, values: Array) -> tuple[Array, Array, Array]:
 def _title(recording: Recording, several: bool) -> str:
     """Returns a panel's title, with the perception where there are several."""
     case = recording.case
-    return f"{legend.method(case.estimator, case.perception if several else None)}, {legend.PLANT_NAMES[case.plant]}"
+    return f"{methods.label(case.estimator, case.perception if several else None)}, {legend.PLANT_NAMES[case.plant]}"

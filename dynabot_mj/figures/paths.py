@@ -7,12 +7,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dynabot_mj.common.legend import (
-    METHOD_NAMES,
     PERCEPTION_NAMES,
     PLANT_NAMES,
     ROBOT_COLOURS,
 )
 from dynabot_mj.figures.style import STYLE
+from dynabot_mj.perception import methods
 from dynabot_mj.study import assembly, configuration
 from dynabot_mj.study.scenario import Scenario
 
@@ -75,7 +75,7 @@ def _draw_paths(axis: Axes, case: xr.Dataset) -> None:
 
 
 def _draw_well(axis: Axes, setup: Scenario, estimator: str) -> None:
-    well = assembly.field(setup, estimator).leader  # type: ignore[arg-type]
+    well = assembly.field(setup, estimator).leader
     rings = (
         (well.radius, "-", "floor h0"),
         (well.radius + well.width, "--", "floor h0 + ε"),
@@ -91,7 +91,7 @@ def _draw_well(axis: Axes, setup: Scenario, estimator: str) -> None:
 
 def _caption(study: xr.Dataset, setup: Scenario, estimator: str, perception: str) -> str:
     period = float(study.control_period[list(study.estimator.values).index(estimator)])
-    name = METHOD_NAMES[estimator]
+    name = methods.label(estimator)
     if perception:
         name += f", {PERCEPTION_NAMES[perception]}"
     return f"{name}, T_c = {1e3 * period:g} ms, trial {setup.first_trial} of seed {setup.seed}"

@@ -4,11 +4,11 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 from dynabot_mj.common.intervals import Mean
-from dynabot_mj.common.legend import METHOD_COLOURS, METHOD_NAMES
 from dynabot_mj.experiments.formation import measures
 from dynabot_mj.experiments.formation.case_rows import CaseRow
 from dynabot_mj.experiments.formation.sensitivity import Sensitivity, value
 from dynabot_mj.figures.style import STYLE
+from dynabot_mj.perception import methods
 
 
 def sensitivity(result: Sensitivity) -> Figure:
@@ -26,10 +26,10 @@ def sensitivity(result: Sensitivity) -> Figure:
                     middle, low, high = (None if x is None else measure.scale * x for x in _interval(row, measure.name))
                     if middle is None:
                         continue
-                    look = {"color": METHOD_COLOURS[row.estimator]}
+                    look = {"color": methods.colour(row.estimator)}
                     if low is not None and high is not None:
                         axis.plot([low, high], [place + shift] * 2, linewidth=1.6, **look)
-                    label = METHOD_NAMES[row.estimator] if place == 0 else None
+                    label = methods.label(row.estimator) if place == 0 else None
                     axis.plot(middle, place + shift, "o", markersize=4.0, label=label, **look)
             axis.axhline(0.5, color="#444444", linewidth=0.8)
             axis.set_title(title, fontsize=10)

@@ -8,9 +8,10 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
 from dynabot_mj.common.arrays import Array
-from dynabot_mj.common.legend import METHOD_NAMES, PERCEPTION_NAMES, PLANT_NAMES, ROBOT_COLOURS
+from dynabot_mj.common.legend import PERCEPTION_NAMES, PLANT_NAMES, ROBOT_COLOURS
 from dynabot_mj.film.shot import Shot
 from dynabot_mj.film.take import Take
+from dynabot_mj.perception import methods
 from dynabot_mj.study import scenario
 
 Picture = npt.NDArray[np.uint8]
@@ -36,7 +37,7 @@ class Strip:
         one = what.recording
         case = one.case
         _, control_ticks = scenario.periods(one.setup, case.estimator)
-        method = METHOD_NAMES[case.estimator]
+        method = methods.label(case.estimator)
         kind = PERCEPTION_NAMES[case.perception] if case.perception else PLANT_NAMES[case.plant]
         columns = [
             ("time", "000.0 s", self._time),

@@ -1,9 +1,5 @@
 """The law of a study: the potential field, or a function of the user's, `my_module:my_law`, in its place."""
 
-import contextlib
-import importlib
-import sys
-import traceback
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +9,7 @@ from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.controllers import potential_field
 from dynabot_mj.controllers.law import Information, Law
 from dynabot_mj.controllers.potential_field import PotentialField
+from dynabot_mj.host import user_code
 
 BUILT_IN = "potential-field"
 
@@ -43,11 +40,8 @@ def build(name: str, field: PotentialField) -> Law:
     law = _load(name)
 
     def follow_user(known: Information) -> Array:
-        try:
-            with contextlib.redirect_stdout(sys.stderr):  # where our own results go is no place for what it prints
-                force_w = np.asarray(law(known), dtype=float)
-        except Exception as error:  # it is the user's: anything
-            raise InputError(f"controller {name!r} failed at {known.time:g} s: {_told(error)}") from error
+        with user_code.called(f"controller {name!r} failed at {known.time:g} s"):
+            force_w = np.asarray(law(known), dtype=float)
         if force_w.shape != known.position_w.shape:
             raise InputError(
                 f"controller {name!r} returned an array of shape {force_w.shape}, it must be {known.position_w.shape}: "
@@ -60,45 +54,15 @@ def build(name: str, field: PotentialField) -> Law:
     return follow_user
 
 
-def look_in(folder: Path | None) -> None:
-    """Lets functions be found in a folder too, behind the working directory."""
-    if folder is not None and str(folder) not in sys.path:
-        sys.path.append(str(folder))
-
-
 def source(name: str) -> Path | None:
     """Returns the file of a law of the user's; None for the built-in one, and where there is no file.
 
     Raises:
         InputError: If there is no such function.
     """
-    if name == BUILT_IN:
-        return None
-    file = getattr(sys.modules[_load(name).__module__], "__file__", None)
-    return Path(file) if file else None
+    return None if name == BUILT_IN else user_code.source(_load(name))
 
 
 def _load(name: str) -> Law:
-    module_name, _, function = name.partition(":")
-    if not module_name or not function:
-        raise InputError(f"controller {name!r} given, it must be {BUILT_IN!r} or my_module:my_law")
-    here = str(Path.cwd())
-    if here not in sys.path:
-        sys.path.insert(0, here)  # commands, and their worker processes, start without it
-    try:
-        with contextlib.redirect_stdout(sys.stderr):
-            law: Law = getattr(importlib.import_module(module_name), function)
-    except AttributeError as error:
-        raise InputError(f"controller {name!r} given: {error}") from error
-    except Exception as error:  # whatever happens in a module of the user's
-        raise InputError(f"controller {name!r} cannot be imported: {_told(error)}") from error
-    if not callable(law):
-        raise InputError(f"controller {name!r} given, it must be a function")
+    law: Law = user_code.load(f"controller {name!r}", name, f"{BUILT_IN!r} or my_module:my_law")
     return law
-
-
-def _told(error: Exception) -> str:
-    """Returns an error of the user's code in one line, and where in it."""
-    where = traceback.extract_tb(error.__traceback__)[-1]
-    reason = " ".join(str(error).split())
-    return f"{type(error).__name__}{f': {reason}' if reason else ''} ({Path(where.filename).name}, line {where.lineno})"

@@ -11,9 +11,9 @@ from pydantic.dataclasses import dataclass
 
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.common.validation import LARGEST, STRICT, NotNegative, Positive
-from dynabot_mj.estimation.build import Implementation
 from dynabot_mj.estimation.gauss_markov import Component
 from dynabot_mj.estimation.parameters import Parameters
+from dynabot_mj.perception.estimators import Implementation
 
 _FITTED = Path(__file__).resolve().with_name("fitted.toml")
 

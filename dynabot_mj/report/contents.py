@@ -9,13 +9,13 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from dynabot_mj.common import legend
 from dynabot_mj.experiments.estimators import circle_report
 from dynabot_mj.experiments.estimators.circle import CircleOutcome
 from dynabot_mj.experiments.formation import compare, compare_tables, in_loop
 from dynabot_mj.experiments.formation.compare import Comparison
 from dynabot_mj.figures import autocorrelations, bars, distributions, one_trial, paths
 from dynabot_mj.figures import circle as circle_figure
+from dynabot_mj.perception import methods
 from dynabot_mj.report import csv_tables, page, svg
 from dynabot_mj.report.page import Section
 from dynabot_mj.viewing.recording import Recording
@@ -145,7 +145,7 @@ def _paths(study: xr.Dataset) -> Section:
         _figure(
             paths.trajectories(study, estimator, perception),
             "-".join(["paths", estimator, *([perception] if perception else [])]),
-            f"Whole paths above, the end near the leader below: {legend.method(estimator, perception)}.",
+            f"Whole paths above, the end near the leader below: {methods.label(estimator, perception)}.",
         )
         for estimator, perception in shown
     ]

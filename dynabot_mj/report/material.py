@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from dynabot_mj.common import legend
 from dynabot_mj.common.arrays import Progress
 from dynabot_mj.common.exceptions import DynabotError
 from dynabot_mj.experiments.estimators import circle
 from dynabot_mj.film import encoder, film, take
 from dynabot_mj.film.shot import Shot
 from dynabot_mj.host import opengl
+from dynabot_mj.perception import methods
 from dynabot_mj.report.contents import Material
 from dynabot_mj.study import configuration, scenario
 from dynabot_mj.study.scenario import Scenario
@@ -43,7 +43,10 @@ def gather(study: xr.Dataset, execution: Mapping[str, Any], changed: str, progre
     clip, clip_note = _clip(recordings, lambda share: progress(0.7 + 0.2 * share))
     # Faults are of robots that are not there, at times that belong to a formation.
     sensors = replace(setup.sensors, faults=())
-    asked = circle.CircleRequest(runs=_CIRCLE_RUNS, seed=setup.seed, sensors=sensors, filter=setup.filter)
+    own = {name: row for name, row in setup.method.items() if row.filter is not None and name in setup.estimators}
+    asked = circle.CircleRequest(
+        runs=_CIRCLE_RUNS, seed=setup.seed, sensors=sensors, filter=setup.filter, method=own or None
+    )
     return Material(
         study=study,
         execution=execution,
@@ -103,7 +106,7 @@ def _clip(recordings: Sequence[Recording], progress: Progress) -> tuple[bytes | 
             content = path.read_bytes()
     except DynabotError as error:
         return None, f"There is no film: {error}."
-    case = legend.method(chosen.case.estimator, chosen.case.perception)
+    case = methods.label(chosen.case.estimator, chosen.case.perception)
     return content, (
         f"Trial {chosen.trial}, {case}, {_SHOT.speed:g} times as fast. Translucent: where each robot believes to be, "
         "and one standard deviation per axis around it."

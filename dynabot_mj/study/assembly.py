@@ -8,19 +8,19 @@ import numpy.typing as npt
 
 from dynabot_mj.common.arrays import Array, Progress
 from dynabot_mj.controllers.potential_field import PotentialField, Well, polygon_circumradius
-from dynabot_mj.estimation.build import build
 from dynabot_mj.formation import laws
 from dynabot_mj.formation.leader import LEADER_W
 from dynabot_mj.formation.metrics import Formation
 from dynabot_mj.formation.starts import starts
 from dynabot_mj.perception.belief import Belief, Perception
+from dynabot_mj.perception.estimators import build
 from dynabot_mj.perception.filters import FilterPerception
 from dynabot_mj.perception.options import FittedError
 from dynabot_mj.perception.surrogates import FittedPerception, GaussMarkovPerception, PerfectPerception
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.plant import FleetState, Plant, WheeledPlant
 from dynabot_mj.study import fleet, scenario
-from dynabot_mj.study.scenario import Case, EstimatorName, Scenario
+from dynabot_mj.study.scenario import Case, Scenario
 from dynabot_mj.testbed.paper import SETTLING_SHARE
 from dynabot_mj.testbed.radio import INSTANT_LINK, Link, Radio, dynabot_link
 from dynabot_mj.trial import loop
@@ -135,12 +135,12 @@ def perception(
     setup: Scenario, case: Case, sample_period: float, trials: Sequence[int], start: FleetState
 ) -> Perception:
     """Builds what tells the robots of some trials of a case about themselves; `start` is their state at time 0."""
-    name = case.estimator
-    if case.perception is None or name == "perfect":
-        return PerfectPerception()
+    name, method = case.estimator, scenario.method(setup, case.estimator)
     match case.perception:
+        case None:
+            return PerfectPerception()
         case "gauss-markov":
-            sigma = scenario.method(setup, name).uncertainty
+            sigma = method.uncertainty
             return GaussMarkovPerception(
                 sigma if setup.surrogate.sigma == "per-axis" else sigma / math.sqrt(2.0),
                 setup.surrogate.correlation_time,
@@ -150,7 +150,7 @@ def perception(
                 trials,
             )
         case "filter":
-            estimator = build(name, start.heading.shape, setup.filter, setup.filter.implementation)
+            estimator = build(name, start.heading.shape, setup.filter, setup.filter.implementation, own=method.filter)
             return FilterPerception(
                 estimator,
                 setup.sensors,
@@ -181,14 +181,14 @@ def velocity(setup: Scenario, case: Case, plant: Plant) -> Callable[[Belief], Ar
             return own_velocity
 
 
-def link(setup: Scenario, estimator: EstimatorName) -> Link:
+def link(setup: Scenario, estimator: str) -> Link:
     """Returns the radio model of a row; perfect information is instantaneous."""
     if estimator == "perfect":
         return INSTANT_LINK
     return dynabot_link(setup.robots, setup.radio.message_bytes)
 
 
-def field(setup: Scenario, estimator: EstimatorName) -> PotentialField:
+def field(setup: Scenario, estimator: str) -> PotentialField:
     """Returns the potential field of a row."""
     row, options = scenario.method(setup, estimator), setup.field
     neighbour_range = options.neighbour_range
@@ -213,7 +213,7 @@ def field(setup: Scenario, estimator: EstimatorName) -> PotentialField:
     )
 
 
-def formation(setup: Scenario, estimator: EstimatorName) -> Formation:
+def formation(setup: Scenario, estimator: str) -> Formation:
     """Builds what the trials of a row are judged by."""
     vehicle, wells = scene.read_robot(fleet.conditions(setup)).vehicle, field(setup, estimator)
     return Formation(

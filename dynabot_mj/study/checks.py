@@ -5,14 +5,15 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.common.exceptions import InputError, suggestion
 from dynabot_mj.common.validation import UNITS
 from dynabot_mj.controllers.potential_field import polygon_circumradius
 from dynabot_mj.formation import laws
 from dynabot_mj.perception import options as perception_options
 from dynabot_mj.plants import scene
 from dynabot_mj.sensing import options as sensing_options
-from dynabot_mj.study import assembly, fleet, scenario
+from dynabot_mj.study import assembly, fleet, methods, scenario
+from dynabot_mj.study.methods import BUILT_IN
 from dynabot_mj.study.scenario import Scenario
 
 # Rise per metre up to which rigid robots with real accelerometers keep to their forces; they ran away from 0.053 on.
@@ -31,12 +32,27 @@ def check(setup: Scenario) -> None:
     Raises:
         InputError: With the values that do not fit together.
     """
-    _check_sizes(asdict(setup), asdict(Scenario()))
+    _check_methods(setup)
+    defaults = asdict(Scenario())
+    # Methods of the user's are as the decoupled EKF's by default.
+    defaults["method"] = {name: defaults["method"].get(name, defaults["method"]["decoupled"]) for name in setup.method}
+    _check_sizes(asdict(setup), defaults)
     _check_rows(setup)
     _check_start(setup)
     _check_perception(setup)
     laws.source(setup.controller)
     _check_vehicle(setup)
+
+
+def _check_methods(setup: Scenario) -> None:
+    """Checks that the estimators are methods, and that the user's have filters; see `check`."""
+    for name in setup.estimators:
+        if name not in setup.method:
+            raise InputError(
+                f"estimators = {name!r} given, it must be one of {', '.join(setup.method)}, or a method of your own, "
+                f"[method.{name}]{suggestion(name, setup.method)}"
+            )
+    methods.check({name: row for name, row in setup.method.items() if name in setup.estimators or row.filter is None})
 
 
 def _check_rows(setup: Scenario) -> None:
@@ -136,6 +152,11 @@ def _check_perception(setup: Scenario) -> None:
     """Checks velocity sources, filters and sensors; see `check`."""
     if setup.velocity in ("odometry", "reference") and "particle" in setup.plants:
         raise InputError(f"velocity = {setup.velocity!r} given with the plant particle; it exists on rigid robots only")
+    own = [name for name in setup.estimators if name not in BUILT_IN]
+    if own and "fitted" in setup.perception:
+        raise InputError(f"perception = 'fitted' given with {own[0]}, whose errors nobody has fitted")
+    if own and "filter" in setup.perception and setup.filter.implementation == "filterpy":
+        raise InputError(f"filter.implementation = 'filterpy' given with {own[0]}, which is not on FilterPy")
     if setup.filter.implementation == "filterpy" and "filter" in setup.perception and setup.trials > 1:
         raise InputError(
             f"filter.implementation = 'filterpy' given with {setup.trials} trials; it filters one robot at a time and "

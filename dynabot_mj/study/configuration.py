@@ -16,8 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 from dynabot_mj.common.exceptions import InputError, one_line
 from dynabot_mj.common.validation import UNITS
 from dynabot_mj.plants.options import VehicleOptions
-from dynabot_mj.study import checks
-from dynabot_mj.study.methods import Methods
+from dynabot_mj.study import checks, methods
 from dynabot_mj.study.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -115,11 +114,8 @@ def build(
             merged[key] = value
         elif isinstance(merged.get(table, {}), dict):
             merged[table] = {**merged.get(table, {}), key: value}
-    for name, rows in asdict(Methods()).items():
-        given = merged.get("method", {})
-        if isinstance(given, dict) and isinstance(given.get(name), dict):
-            # A row that sets one gain keeps the others.
-            merged["method"] = {**given, name: {**rows, **given[name]}}
+    if "method" in merged:
+        merged["method"] = methods.merged(merged["method"])
     try:
         # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
         setup = TypeAdapter(Scenario).validate_json(json.dumps(merged, default=str))

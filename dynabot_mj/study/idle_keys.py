@@ -36,7 +36,7 @@ def idle(setup: Scenario) -> dict[str, str]:
 def changed(setup: Scenario) -> dict[str, str]:
     """Returns those that are set to something else than their default, and why they do nothing."""
     defaults = dict(flat(asdict(Scenario())))
-    different = [key for key, value in flat(asdict(setup)) if value != defaults[key]]
+    different = [key for key, value in flat(asdict(setup)) if value != defaults.get(key)]
     return {
         name: why
         for name, why in idle(setup).items()

@@ -14,6 +14,7 @@ import dynabot_mj
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.controllers import gains
 from dynabot_mj.formation import laws
+from dynabot_mj.perception import estimators
 from dynabot_mj.plants import scene
 from dynabot_mj.study import configuration
 from dynabot_mj.study.scenario import Scenario
@@ -42,9 +43,21 @@ def inputs(setup: Scenario) -> dict[str, str]:
         found = {"model": scene.path(setup.vehicle.model), "gains": gains.path(setup.vehicle.gains)}
         if (law := laws.source(setup.controller)) is not None:
             found["controller"] = law
+        for name in dict.fromkeys(setup.estimators):
+            own = setup.method[name].filter
+            if own is not None and (file := estimators.source(name, own)) is not None:
+                found[f"method {name}"] = file
     except FileNotFoundError as error:
         raise InputError(str(error)) from error
     return {name: hashlib.sha256(file.read_bytes()).hexdigest()[:16] for name, file in found.items()}
+
+
+def given(setup: Scenario, name: str) -> str:
+    """Returns what a study's configuration says of one of its `inputs`."""
+    kind, _, method = name.partition(" ")
+    if kind == "method":
+        return str(setup.method[method].filter)
+    return str({"controller": setup.controller, "model": setup.vehicle.model, "gains": setup.vehicle.gains}[name])
 
 
 @functools.cache

@@ -6,7 +6,7 @@ from pathlib import Path
 import xarray as xr
 
 from dynabot_mj.common.exceptions import InputError
-from dynabot_mj.formation import laws
+from dynabot_mj.host import user_code
 from dynabot_mj.study import configuration, dataset, provenance, scenario
 
 
@@ -32,7 +32,7 @@ def load(place: Path) -> tuple[xr.Dataset, Path]:
     for name in ("configuration", "case", "trial"):
         if name not in saved.attrs and name not in saved.coords:
             raise InputError(f"the study {path} is not as it was saved: it has no {name}")
-    laws.look_in(_folder(path))  # of a law of the user's
+    user_code.look_in(_folder(path))  # of laws and estimators of the user's
     labels = [case.label for case in scenario.cases(configuration.load(saved.attrs["configuration"], str(path)))]
     if labels != saved.case.values.tolist():
         raise InputError(f"the study {path} is not as it was saved: configured are the cases {', '.join(labels)}")

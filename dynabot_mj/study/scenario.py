@@ -18,17 +18,16 @@ from dynabot_mj.formation.options import CompletionOptions, FieldOptions, StartO
 from dynabot_mj.perception.options import FilterOptions, FittedOptions, SurrogateOptions
 from dynabot_mj.plants.options import VehicleOptions
 from dynabot_mj.sensing.options import SensorOptions
-from dynabot_mj.study.methods import Method, Methods
+from dynabot_mj.study.methods import BUILT_IN, Method
 from dynabot_mj.testbed import paper, schedule
 from dynabot_mj.testbed.options import ProcessorOptions, RadioOptions
 
 PlantName = Literal["particle", "rigid"]
-EstimatorName = Literal["perfect", "gps", "decoupled", "coupled"]
 PerceptionName = Literal["gauss-markov", "filter", "fitted"]
 VelocityName = Literal["auto", "estimate", "truth", "odometry", "reference"]
 
 PLANTS: tuple[PlantName, ...] = get_args(PlantName)
-ESTIMATORS: tuple[EstimatorName, ...] = get_args(EstimatorName)
+ESTIMATORS = tuple(BUILT_IN)
 PERCEPTIONS: tuple[PerceptionName, ...] = get_args(PerceptionName)
 VELOCITIES: tuple[VelocityName, ...] = get_args(VelocityName)
 
@@ -79,7 +78,7 @@ class Scenario:
     # [s]; auto: `DURATIONS`
     duration: Annotated[float, Field(gt=0.0, le=10_000.0, allow_inf_nan=False)] | Literal["auto"] = "auto"
     plants: Annotated[tuple[PlantName, ...], Field(min_length=1)] = PLANTS
-    estimators: Annotated[tuple[EstimatorName, ...], Field(min_length=1)] = ESTIMATORS
+    estimators: Annotated[tuple[str, ...], Field(min_length=1)] = ESTIMATORS  # names of methods
     perception: Annotated[tuple[PerceptionName, ...], Field(min_length=1)] = ("gauss-markov",)
     # Of the dissipation. auto: the true one for perfect and gauss-markov, else the estimated one, on both plants alike.
     # odometry (wheels and accelerometer) and reference (of the steering law) exist on the rigid plant only.
@@ -98,7 +97,7 @@ class Scenario:
     sensors: SensorOptions = SensorOptions()
     filter: FilterOptions = FilterOptions()
     fitted: FittedOptions = FittedOptions()
-    method: Methods = Methods()
+    method: dict[str, Method] = Field(default_factory=lambda: dict(BUILT_IN))  # by name
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,7 +116,7 @@ class Case:
 
     plant: PlantName
     perception: PerceptionName | None  # None for the estimator `perfect`
-    estimator: EstimatorName
+    estimator: str
 
     @property
     def label(self) -> str:
@@ -155,13 +154,12 @@ def velocity(setup: Scenario, case: Case) -> VelocityName:
     return "truth" if case.perception in (None, "gauss-markov") else "estimate"
 
 
-def method(setup: Scenario, estimator: EstimatorName) -> Method:
+def method(setup: Scenario, estimator: str) -> Method:
     """Returns the parameters of a row."""
-    found: Method = getattr(setup.method, estimator)
-    return found
+    return setup.method[estimator]
 
 
-def periods(setup: Scenario, estimator: EstimatorName) -> tuple[int, int]:
+def periods(setup: Scenario, estimator: str) -> tuple[int, int]:
     """Returns the sampling and the control period of a row in whole timer ticks.
 
     Raises:
@@ -190,9 +188,9 @@ def periods(setup: Scenario, estimator: EstimatorName) -> tuple[int, int]:
     return ticks[0], ticks[1]
 
 
-def loads(setup: Scenario) -> dict[EstimatorName, float]:
+def loads(setup: Scenario) -> dict[str, float]:
     """Returns the load of the processor, Eq. 2, under the periods of each row that is judged by it."""
-    found: dict[EstimatorName, float] = {}
+    found: dict[str, float] = {}
     for estimator in setup.estimators:
         if estimator != "perfect":
             sample_period, control_period = (ticks * setup.processor.tick for ticks in periods(setup, estimator))

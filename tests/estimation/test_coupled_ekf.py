@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from dynabot_mj.estimation.build import build
 from dynabot_mj.estimation.coupled_ekf import CoupledEkf
 from dynabot_mj.estimation.measurements import GpsFix, rotation
 from dynabot_mj.estimation.motion import ACCELERATION_BIAS, HEADING, POSITION, POSITION_BIAS, VELOCITY
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
+from dynabot_mj.perception.estimators import build
 
 ALL = slice(None)
 

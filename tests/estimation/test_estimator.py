@@ -3,11 +3,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dynabot_mj.estimation import build
 from dynabot_mj.estimation.estimator import Estimator
 from dynabot_mj.estimation.kalman import Update
 from dynabot_mj.estimation.measurements import ImuSample, wrap
 from dynabot_mj.estimation.parameters import DEFAULT
+from dynabot_mj.perception import estimators
 
 EKFS = ("decoupled", "coupled")
 BELIEFS = ("position_w", "velocity_w", "heading", "yaw_rate_bias", "acceleration_bias_b")
@@ -16,7 +16,7 @@ AHEAD = 3.0 * np.array([np.cos(0.3), np.sin(0.3)])  # their velocity [m/s]
 JUMP = np.array([15.0, 0.0])  # [m]
 
 
-@pytest.fixture(params=build.NAMES)
+@pytest.fixture(params=estimators.NAMES)
 def name(request):
     return request.param
 
@@ -65,7 +65,7 @@ def test_it_starts_at_the_first_fix_with_a_bearing(name, straight):
     samples = changed(straight(14), 0, 4, received=False)
     samples = changed(samples, 4, 8, magnetic_heading=np.nan)
     samples = changed(samples, 8, 12, position_w=np.nan)
-    estimates = run(build.build(name, (1,)), samples)
+    estimates = run(estimators.build(name, (1,)), samples)
     assert [bool(one.known[0]) for one in estimates] == [False] * 12 + [True] * 2
     assert np.isinf(estimates[11].fix_age[0])
     np.testing.assert_allclose(off(estimates[12:], start=12), 0.0, atol=1e-9)
@@ -74,7 +74,7 @@ def test_it_starts_at_the_first_fix_with_a_bearing(name, straight):
 
 
 def test_samples_without_errors_leave_no_error(name, straight):
-    np.testing.assert_allclose(off(run(build.build(name, (1,)), straight(200))), 0.0, atol=1e-9)
+    np.testing.assert_allclose(off(run(estimators.build(name, (1,)), straight(200))), 0.0, atol=1e-9)
 
 
 # Missing samples
@@ -86,7 +86,7 @@ def test_samples_without_errors_leave_no_error(name, straight):
 )
 def test_what_is_not_finite_never_reaches_a_state(name, straight, channel, value):
     samples = changed(straight(60), 21, 45, **{channel: value})
-    estimates = run(build.build(name, (1,)), samples)
+    estimates = run(estimators.build(name, (1,)), samples)
     for one in estimates:
         for field in (*BELIEFS, "position_covariance", "velocity_covariance_b", "heading_variance", "fix_age"):
             assert np.isfinite(getattr(one, field)).all()
@@ -97,8 +97,8 @@ def test_what_is_not_finite_never_reaches_a_state(name, straight, channel, value
 @pytest.mark.parametrize("channel", ["specific_force_b", "yaw_rate"])
 def test_the_last_good_sample_stands_for_a_missing_one(name, straight, channel):
     turning = changed(straight(40), 10, 30, **{channel: 0.5})
-    expected = run(build.build(name, (1,)), turning)
-    found = run(build.build(name, (1,)), changed(turning, 15, 25, **{channel: np.nan}))
+    expected = run(estimators.build(name, (1,)), turning)
+    found = run(estimators.build(name, (1,)), changed(turning, 15, 25, **{channel: np.nan}))
     same(found[-1], expected[-1], slice(None))
 
 
@@ -108,7 +108,7 @@ def test_the_last_good_sample_stands_for_a_missing_one(name, straight, channel):
 @pytest.mark.parametrize("name", EKFS)
 def test_a_jump_of_two_seconds_is_rejected(name, straight):
     jump = changed(straight(160), 60, 100, position_w=lambda position: position + JUMP)
-    estimates = run(build.build(name, (1,)), jump)
+    estimates = run(estimators.build(name, (1,)), jump)
     np.testing.assert_allclose(off(estimates), 0.0, atol=1e-6)
     ages = np.array([one.fix_age[0] for one in estimates])
     assert ages[99] == pytest.approx(LATENCY + 43 * PERIOD)  # the last believed fix came with sample 56
@@ -120,7 +120,7 @@ def test_a_jump_of_two_seconds_is_rejected(name, straight):
 @pytest.mark.parametrize("name", EKFS)
 def test_a_jump_that_stays_is_believed_after_the_patience(name, straight):
     jump = changed(straight(160), 60, 160, position_w=lambda position: position + JUMP)
-    errors = off(run(build.build(name, (1,)), jump))
+    errors = off(run(estimators.build(name, (1,)), jump))
     rejected = 60 + round(DEFAULT.fix_patience / PERIOD)  # from sample 60 on
     np.testing.assert_allclose(errors[: rejected + 1], 0.0, atol=1e-6)
     believed = rejected + FIX_EVERY
@@ -129,14 +129,14 @@ def test_a_jump_that_stays_is_believed_after_the_patience(name, straight):
 
 def test_gps_extrapolation_believes_every_jump(straight):
     jump = changed(straight(100), 60, 100, position_w=lambda position: position + JUMP)
-    errors = off(run(build.build("gps", (1,)), jump))
+    errors = off(run(estimators.build("gps", (1,)), jump))
     np.testing.assert_allclose(errors[:60], 0.0, atol=1e-9)
     np.testing.assert_allclose(errors[60:], 15.0, atol=1e-9)
 
 
 def test_a_wrong_first_bearing_is_corrected_and_the_velocity_over_ground_goes_on(name, straight):
     wrong = changed(straight(80), 0, 1, magnetic_heading=lambda bearing: wrap(bearing + np.radians(170.0)))
-    estimates = run(build.build(name, (1,)), wrong)
+    estimates = run(estimators.build(name, (1,)), wrong)
     heading_errors = np.abs(wrap(np.array([one.heading[0] for one in estimates]) - 0.3))
     rejected = 1 + round(DEFAULT.bearing_patience / PERIOD)  # from sample 1 on
     assert (heading_errors[:rejected] > np.radians(169.0)).all()
@@ -150,11 +150,11 @@ def test_a_good_sample_ends_the_doubt(straight):
     samples = straight(300)
     for start in (60, 120, 180):
         samples = changed(samples, start, start + 56, position_w=lambda position: position + JUMP)
-    np.testing.assert_allclose(off(run(build.build("coupled", (1,)), samples)), 0.0, atol=1e-6)
+    np.testing.assert_allclose(off(run(estimators.build("coupled", (1,)), samples)), 0.0, atol=1e-6)
 
 
 def test_age_of_the_fix_and_staleness(name, straight):
-    estimates = run(build.build(name, (1,)), changed(straight(41), 21, 40, received=False))
+    estimates = run(estimators.build(name, (1,)), changed(straight(41), 21, 40, received=False))
     ages = np.array([one.fix_age[0] for one in estimates])
     np.testing.assert_allclose(ages[:8], LATENCY + PERIOD * np.array([0, 1, 2, 3, 0, 1, 2, 3]))
     np.testing.assert_allclose(ages[20:40], LATENCY + PERIOD * np.arange(20))
@@ -169,7 +169,7 @@ def test_age_of_the_fix_and_staleness(name, straight):
 
 def test_broken_numbers_restart_at_the_next_fix_and_nobody_else(name, straight):
     samples = straight(60, robots=3)
-    healthy, broken = build.build(name, (3,)), build.build(name, (3,))
+    healthy, broken = estimators.build(name, (3,)), estimators.build(name, (3,))
     run(healthy, samples[:30])
     run(broken, samples[:30])
     poison(broken, 1)
@@ -185,7 +185,7 @@ def test_broken_numbers_restart_at_the_next_fix_and_nobody_else(name, straight):
 
 
 def test_robots_that_are_not_due_stay_as_they_are(name, wild):
-    samples, estimator = wild(60, robots=3), build.build(name, (3,))
+    samples, estimator = wild(60, robots=3), estimators.build(name, (3,))
     before = run(estimator, samples[:40])[-1]
     after = run(estimator, samples[40:], due=np.array([True, False, True]))[-1]
     same(after, before, 1)
@@ -199,9 +199,9 @@ def test_a_robot_does_not_depend_on_the_others(name, wild):
     def of(part, rows):
         return replace(part, **{key: values[rows] for key, values in vars(part).items()})
 
-    alone = run(build.build(name, (1,)), [(of(imu, [1]), of(fix, [1])) for imu, fix in samples])[-1]
-    together = run(build.build(name, (3,)), samples)[-1]
-    partly = run(build.build(name, (3,)), samples, due=np.array([False, True, True]))[-1]
+    alone = run(estimators.build(name, (1,)), [(of(imu, [1]), of(fix, [1])) for imu, fix in samples])[-1]
+    together = run(estimators.build(name, (3,)), samples)[-1]
+    partly = run(estimators.build(name, (3,)), samples, due=np.array([False, True, True]))[-1]
     for field in (*BELIEFS, "position_covariance", "velocity_covariance_b", "heading_variance"):
         expected = getattr(alone, field)[0]
         np.testing.assert_allclose(getattr(together, field)[1], expected, rtol=1e-12, atol=1e-13, err_msg=field)
@@ -214,8 +214,8 @@ def test_leading_axes_are_only_an_arrangement(name, wild):
     def arranged(part):
         return replace(part, **{key: values.reshape(2, 3, *values.shape[1:]) for key, values in vars(part).items()})
 
-    flat = run(build.build(name, (6,)), samples)[-1]
-    found = run(build.build(name, (2, 3)), [(arranged(imu), arranged(fix)) for imu, fix in samples])[-1]
+    flat = run(estimators.build(name, (6,)), samples)[-1]
+    found = run(estimators.build(name, (2, 3)), [(arranged(imu), arranged(fix)) for imu, fix in samples])[-1]
     assert found.position_covariance.shape == (2, 3, 2, 2)
     for field in BELIEFS:
         np.testing.assert_array_equal(getattr(found, field)[1, 2], getattr(flat, field)[5])
@@ -281,7 +281,7 @@ def test_a_fix_is_reached_back_to_with_the_mean_force_since(straight, age, mean)
 
 
 def test_the_latest_updates_are_those_of_the_latest_step(straight):
-    estimator, samples = build.build("coupled", (2,)), straight(6, robots=2)
+    estimator, samples = estimators.build("coupled", (2,)), straight(6, robots=2)
     run(estimator, samples[:5])
     rows, updates = estimator.fix_updates
     assert list(rows) == [0, 1]
@@ -291,7 +291,7 @@ def test_the_latest_updates_are_those_of_the_latest_step(straight):
 
 
 def test_a_sample_of_a_robot_that_is_not_due_is_not_looked_at(straight):
-    estimator, samples = build.build("coupled", (2,)), straight(10, robots=2)
+    estimator, samples = estimators.build("coupled", (2,)), straight(10, robots=2)
     run(estimator, samples)
     imu, fix = samples[-1]
     nothing = np.array([0.0, np.nan])

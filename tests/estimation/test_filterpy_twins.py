@@ -4,8 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from dynabot_mj.estimation import build
 from dynabot_mj.experiments.estimators import kinematic
+from dynabot_mj.perception import estimators
 from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.faults import Fault
 from dynabot_mj.sensing.options import SensorOptions
@@ -43,9 +43,9 @@ def test_the_stream_has_what_twins_may_differ_in(samples):
     assert np.diff(samples.time[samples.fix.received[:, 0]]).max() > 5.0  # gap
 
 
-@pytest.mark.parametrize("name", build.NAMES)
+@pytest.mark.parametrize("name", estimators.NAMES)
 def test_twins_agree(name, samples):
-    batched, twin = (build.build(name, (1,), implementation=one) for one in build.IMPLEMENTATIONS)
+    batched, twin = (estimators.build(name, (1,), implementation=one) for one in estimators.IMPLEMENTATIONS)
     believed = []
 
     def biases(estimator):
@@ -69,7 +69,7 @@ def test_twins_agree(name, samples):
 
 @pytest.mark.parametrize("name", ["decoupled", "coupled"])
 def test_twins_agree_on_all_moments_and_updates(name, wild):
-    batched, twin = (build.build(name, (3,), implementation=one) for one in build.IMPLEMENTATIONS)
+    batched, twin = (estimators.build(name, (3,), implementation=one) for one in estimators.IMPLEMENTATIONS)
     rng = np.random.default_rng(0)
     for imu, fix in wild(150, robots=3):
         due = rng.random(3) < 0.7  # so that rows are mixed
@@ -84,10 +84,10 @@ def test_twins_agree_on_all_moments_and_updates(name, wild):
                 np.testing.assert_allclose(getattr(one, field), getattr(other, field), rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", build.NAMES)
+@pytest.mark.parametrize("name", estimators.NAMES)
 def test_missing_bearings_leave_no_trace(name, straight):
     """FilterPy's filters take a NaN, and keep healthy covariances with it."""
-    estimator = build.build(name, (1,), implementation="filterpy")
+    estimator = estimators.build(name, (1,), implementation="filterpy")
     for imu, fix in straight(10):
         estimator.step(imu, fix, np.ones(1, dtype=bool))
     before = estimator.filter.beliefs()
@@ -98,9 +98,9 @@ def test_missing_bearings_leave_no_trace(name, straight):
         np.testing.assert_array_equal(value, before[key])
 
 
-@pytest.mark.parametrize("name", build.NAMES)
+@pytest.mark.parametrize("name", estimators.NAMES)
 def test_broken_numbers_are_not_sound(name, straight):
-    estimator = build.build(name, (2,), implementation="filterpy")
+    estimator = estimators.build(name, (2,), implementation="filterpy")
     for imu, fix in straight(10, robots=2):
         estimator.step(imu, fix, np.ones(2, dtype=bool))
     assert estimator.filter.sound().all()

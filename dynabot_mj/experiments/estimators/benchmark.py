@@ -7,7 +7,7 @@ matrices are dense, counted by running it on arrays that count (`operations`).
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -15,11 +15,12 @@ import numpy as np
 
 from dynabot_mj.common import tables
 from dynabot_mj.common.arrays import Array
-from dynabot_mj.estimation import build, filterpy_twins
 from dynabot_mj.estimation.estimator import Estimator, Filter
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample
-from dynabot_mj.estimation.parameters import DEFAULT, Parameters
 from dynabot_mj.experiments.estimators.operations import Counted, Tally, inverse
+from dynabot_mj.perception import estimators
+from dynabot_mj.perception.methods import METHODS
+from dynabot_mj.study.methods import Method
 from dynabot_mj.testbed import paper
 
 ROBOTS, REPETITIONS = 300, 40
@@ -27,30 +28,26 @@ _STEPS = 10  # timed at once
 _PERIOD = 0.036  # T_s [s]; what a step costs does not depend on it
 _ALL = slice(None)
 _NO_FORCE = np.zeros(2)
-
-_TWINS: dict[build.Name, Callable[[Parameters], Any]] = {
-    "gps": filterpy_twins.GpsExtrapolation,
-    "decoupled": filterpy_twins.DecoupledEkf,
-    "coupled": filterpy_twins.CoupledEkf,
-}
+_NONE: Mapping[str, Method] = {}
 
 
 @dataclass(frozen=True, kw_only=True)
 class FilterRow:
     """One estimator; each quantity of a step without, and with a fix."""
 
-    estimator: build.Name
+    estimator: str
     batched_us: float  # per robot
     batched_fix_us: float
     estimator_us: float  # per robot, the policy of `dynabot_mj.estimation.estimator` and copies of all beliefs included
     estimator_fix_us: float
-    filterpy_us: float  # of one robot
-    filterpy_fix_us: float
-    ratio: float  # FilterPy over batched
-    ratio_fix: float
-    operations: int
-    operations_fix: int
-    t_se_ms: float  # of the paper's processor
+    # None of an estimator of the user's, which has no FilterPy twin.
+    filterpy_us: float | None  # of one robot
+    filterpy_fix_us: float | None
+    ratio: float | None  # FilterPy over batched
+    ratio_fix: float | None
+    operations: int | None
+    operations_fix: int | None
+    t_se_ms: float  # of the paper's processor, or as the user has it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,19 +66,23 @@ class FilterReport:
 
 
 def filters(
-    robots: int = ROBOTS, repetitions: int = REPETITIONS, progress: Callable[[float], None] = lambda share: None
+    robots: int = ROBOTS,
+    repetitions: int = REPETITIONS,
+    progress: Callable[[float], None] = lambda share: None,
+    own: Mapping[str, Method] = _NONE,
 ) -> FilterReport:
-    """Measures the three estimators.
+    """Measures the estimators.
 
     Args:
         robots: In the batch.
         repetitions: Of each time.
         progress: Told the share of the work that is done.
+        own: Methods of the user's, beside those that are built in.
     """
-    rows = []
-    for done, name in enumerate(build.NAMES):
-        rows.append(_row(name, robots, repetitions))
-        progress((done + 1) / len(build.NAMES))
+    rows, names = [], (*estimators.NAMES, *own)
+    for done, name in enumerate(names):
+        rows.append(_row(name, robots, repetitions, own.get(name)))
+        progress((done + 1) / len(names))
     return FilterReport(
         robots=robots,
         repetitions=repetitions,
@@ -90,7 +91,7 @@ def filters(
     )
 
 
-def operations(name: build.Name) -> tuple[int, int]:
+def operations(name: str) -> tuple[int, int]:
     """Returns the floating-point operations of a step of the FilterPy twin, without and with a fix."""
     tally = Tally()
 
@@ -105,7 +106,7 @@ def operations(name: build.Name) -> tuple[int, int]:
         velocity_w=counted(fix.velocity_w),
         age=counted(fix.age),
     )
-    robot = _TWINS[name](DEFAULT)
+    robot = estimators.twin(name)
     robot.begin(fix, imu.magnetic_heading)
     for one in robot.filters:
         one.x, one.P = counted(one.x), counted(one.P)
@@ -147,8 +148,8 @@ def document(report: FilterReport) -> dict[str, Any]:
 def markdown(report: FilterReport) -> str:
     """Returns the report as a table and what it means."""
 
-    def both(without: float, with_fix: float, form: str) -> str:
-        return f"{without:{form}} ({with_fix:{form}})"
+    def both(without: float | None, with_fix: float | None, form: str) -> str:
+        return "-" if without is None or with_fix is None else f"{without:{form}} ({with_fix:{form}})"
 
     body = [
         [
@@ -186,24 +187,18 @@ def markdown(report: FilterReport) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _row(name: build.Name, robots: int, repetitions: int) -> FilterRow:
+def _row(name: str, robots: int, repetitions: int, own: Method | None) -> FilterRow:
     imu, fix, everybody = _imu((robots,)), _fix((robots,)), np.ones(robots, dtype=bool)
     none = GpsFix(received=~everybody, position_w=fix.position_w, velocity_w=fix.velocity_w, age=fix.age)
-    batched = build.build(name, (robots,)).filter
+    path = None if own is None else own.filter
+    batched = estimators.build(name, (robots,), own=path).filter
     batched.begin(_ALL, fix, imu.magnetic_heading)
-    estimator: Estimator = build.build(name, (robots,))
+    estimator: Estimator = estimators.build(name, (robots,), own=path)
     estimator.step(imu, fix, everybody)
-    twin = _TWINS[name](DEFAULT)
-    one_imu, one_fix = _imu(()), _fix(())
-    twin.begin(one_fix, one_imu.magnetic_heading)
 
     def batched_fix() -> None:
         _step(batched, imu)
         batched.see_fix(_ALL, fix, np.zeros((robots, 2)))
-
-    def twin_fix() -> None:
-        _single_step(twin, one_imu)
-        twin.see_fix(one_fix, _NO_FORCE)
 
     # In the order of the row's fields.
     tasks: list[Callable[[], Any]] = [
@@ -211,27 +206,40 @@ def _row(name: build.Name, robots: int, repetitions: int) -> FilterRow:
         batched_fix,
         lambda: estimator.step(imu, none, everybody),
         lambda: estimator.step(imu, fix, everybody),
-        lambda: _single_step(twin, one_imu),
-        twin_fix,
+        *(_twin_steps(name) if own is None else ()),
     ]
     spent = np.array([[_time(task) for task in tasks] for _ in range(repetitions + 1)])[1:]  # the first warms up
     spent[:, :4] /= robots
-    median, ratio = np.median(spent, axis=0), np.median(spent[:, 4:] / spent[:, :2], axis=0)
-    counts = operations(name)
+    median = [*np.median(spent, axis=0).tolist(), None, None][:6]
+    ratio = [None, None] if own is not None else np.median(spent[:, 4:] / spent[:, :2], axis=0).tolist()
+    counts = (None, None) if own is not None else operations(name)
+    t_se = METHODS[name].estimation_time if own is None else own.estimation_time
     return FilterRow(
         estimator=name,
-        batched_us=float(median[0]),
-        batched_fix_us=float(median[1]),
-        estimator_us=float(median[2]),
-        estimator_fix_us=float(median[3]),
-        filterpy_us=float(median[4]),
-        filterpy_fix_us=float(median[5]),
-        ratio=float(ratio[0]),
-        ratio_fix=float(ratio[1]),
+        batched_us=median[0],
+        batched_fix_us=median[1],
+        estimator_us=median[2],
+        estimator_fix_us=median[3],
+        filterpy_us=median[4],
+        filterpy_fix_us=median[5],
+        ratio=ratio[0],
+        ratio_fix=ratio[1],
         operations=counts[0],
         operations_fix=counts[1],
-        t_se_ms=1e3 * paper.TABLE_II[name].estimation_time,
+        t_se_ms=1e3 * t_se,
     )
+
+
+def _twin_steps(name: str) -> tuple[Callable[[], Any], Callable[[], Any]]:
+    """Returns a step of the FilterPy twin without, and with a fix."""
+    twin, imu, fix = estimators.twin(name), _imu(()), _fix(())
+    twin.begin(fix, imu.magnetic_heading)
+
+    def with_fix() -> None:
+        _single_step(twin, imu)
+        twin.see_fix(fix, _NO_FORCE)
+
+    return lambda: _single_step(twin, imu), with_fix
 
 
 def _time(task: Callable[[], Any]) -> float:
@@ -273,8 +281,8 @@ def _fix(shape: tuple[int, ...]) -> GpsFix:
 
 def _fit(report: FilterReport) -> tuple[float, float, float]:
     """Returns the line t_se = offset [ms] + slope [us] x operations through both EKFs, and what it gives gps [ms]."""
-    rows = {row.estimator: row for row in report.rows}
-    few, many = rows["decoupled"], rows["coupled"]
-    slope = (many.t_se_ms - few.t_se_ms) / (many.operations_fix - few.operations_fix)
-    offset = few.t_se_ms - slope * few.operations_fix
-    return offset, 1e3 * slope, offset + slope * rows["gps"].operations_fix
+    counts = {row.estimator: (row.operations_fix or 0, row.t_se_ms) for row in report.rows}
+    (few, few_ms), (many, many_ms) = counts["decoupled"], counts["coupled"]
+    slope = (many_ms - few_ms) / (many - few)
+    offset = few_ms - slope * few
+    return offset, 1e3 * slope, offset + slope * counts["gps"][0]

@@ -1,6 +1,6 @@
 """The paper's tether experiment (Sec. III.B, Table II, Fig. 3): what each estimator makes of the same samples.
 
-A robot is driven around a post, its sensors are recorded, and all three estimators follow the record. The paper takes
+A robot is driven around a post, its sensors are recorded, and all estimators follow the record. The paper takes
 "the maximum error between the estimated path and the best-fit actual path" as the uncertainty of an estimator. Beside
 the circle there are a figure of eight, where the fit may not change the path's size, and a line, where it cannot see
 errors along the path.
@@ -20,20 +20,21 @@ from pydantic.dataclasses import dataclass
 from dynabot_mj.common.arrays import Progress
 from dynabot_mj.common.exceptions import InputError, one_line
 from dynabot_mj.common.validation import STRICT, UNITS
-from dynabot_mj.estimation import build
 from dynabot_mj.experiments.estimators import kinematic, tether
 from dynabot_mj.experiments.estimators import scores as estimation_scores
 from dynabot_mj.experiments.estimators.best_fit import BestFit
 from dynabot_mj.experiments.estimators.kinematic import PathName
 from dynabot_mj.experiments.estimators.scores import Consistency, EstimationScores
 from dynabot_mj.perception import options as perception_options
+from dynabot_mj.perception.estimators import NAMES, build
 from dynabot_mj.perception.options import FilterParameters
 from dynabot_mj.sensing import options as sensing_options
 from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.ground_truth import GroundTruth
 from dynabot_mj.sensing.options import SensorOptions
 from dynabot_mj.sensing.replay import Samples, Track
-from dynabot_mj.study import configuration
+from dynabot_mj.study import configuration, methods
+from dynabot_mj.study.methods import Method
 
 PlantName = Literal["kinematic", "rigid"]
 PLANTS: tuple[PlantName, ...] = get_args(PlantName)
@@ -57,6 +58,12 @@ class CircleRequest:
     path: PathName = "circle"
     sensors: SensorOptions = SensorOptions()
     filter: FilterParameters = FilterParameters()  # what the estimators assume of them
+    method: dict[str, Method] | None = None  # of the user's, beside the paper's three
+
+    @property
+    def estimators(self) -> tuple[str, ...]:
+        """Names of the methods whose estimators follow the record."""
+        return (*NAMES, *(self.method or ()))
 
 
 @plain_dataclass(frozen=True, kw_only=True)
@@ -66,9 +73,9 @@ class Chunk:
     first: int  # index of the first sample that counts
     truth: GroundTruth  # at the samples, N times
     samples: Samples  # (N, R, ...)
-    tracks: dict[build.Name, Track]
-    fits: dict[build.Name, BestFit]  # from the first sample that counts
-    scores: dict[build.Name, EstimationScores]
+    tracks: dict[str, Track]
+    fits: dict[str, BestFit]  # from the first sample that counts
+    scores: dict[str, EstimationScores]
 
 
 @plain_dataclass(frozen=True, kw_only=True)
@@ -76,8 +83,8 @@ class CircleOutcome:
     """What was found."""
 
     request: CircleRequest
-    scores: dict[build.Name, EstimationScores]  # of all runs
-    restarts: dict[build.Name, int]  # of the estimators' filters, in all runs
+    scores: dict[str, EstimationScores]  # of all runs
+    restarts: dict[str, int]  # of the estimators' filters, in all runs
     example: Chunk  # that of the first run
 
 
@@ -93,6 +100,8 @@ def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) ->
         InputError: If a key or a value is not allowed, or values do not fit together.
     """
     merged = {**tree, **{key: value for key, value in options.items() if value is not None}}
+    if "method" in merged:
+        merged["method"] = methods.own(merged["method"])
     try:
         # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
         found = TypeAdapter(CircleRequest).validate_json(json.dumps(merged, default=str))
@@ -109,6 +118,7 @@ def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) ->
             )
     sensing_options.check(found.sensors, robots=1)
     perception_options.check(found.filter)
+    methods.check(found.method or {})
     return found
 
 
@@ -125,8 +135,8 @@ def run(asked: CircleRequest, progress: Progress = lambda share: None) -> Circle
         progress: Told the share of the work that is done.
     """
     example: Chunk | None = None
-    scores: dict[build.Name, list[EstimationScores]] = {name: [] for name in build.NAMES}
-    restarts = dict.fromkeys(build.NAMES, 0)
+    scores: dict[str, list[EstimationScores]] = {name: [] for name in asked.estimators}
+    restarts = dict.fromkeys(asked.estimators, 0)
     for begin in range(0, asked.runs, CHUNK):
         count = min(CHUNK, asked.runs - begin)
 
@@ -135,7 +145,7 @@ def run(asked: CircleRequest, progress: Progress = lambda share: None) -> Circle
 
         chunk = follow(asked, begin, count, tell)
         example = example or chunk
-        for name in build.NAMES:
+        for name in asked.estimators:
             scores[name].append(chunk.scores[name])
             restarts[name] += int(chunk.tracks[name].restarts.sum())
     assert example is not None  # there is a run
@@ -162,15 +172,15 @@ def follow(asked: CircleRequest, begin: int, count: int, progress: Progress = la
     truth = driven.thinned(round(asked.period / driven.interval))
     state = estimation_scores.ten_states(truth, samples)
     first = int(np.searchsorted(truth.time, DROPPED - 1e-9))
-    tracks: dict[build.Name, Track] = {}
-    fits: dict[build.Name, BestFit] = {}
-    scores: dict[build.Name, EstimationScores] = {}
-    for index, name in enumerate(build.NAMES):
-        estimator = build.build(name, (count,), asked.filter)
+    tracks: dict[str, Track] = {}
+    fits: dict[str, BestFit] = {}
+    scores: dict[str, EstimationScores] = {}
+    for index, name in enumerate(asked.estimators):
+        estimator = build(name, (count,), asked.filter, own=methods.filter_of(asked.method, name))
         consistency = Consistency(estimator, state, first)
         tracks[name] = replay.follow(samples, estimator, consistency.collect)
         scores[name], fits[name] = estimation_scores.judge(asked.path, tracks[name], truth, consistency, first)
-        progress(driving + (1.0 - driving) * (index + 1) / len(build.NAMES))
+        progress(driving + (1.0 - driving) * (index + 1) / len(asked.estimators))
     return Chunk(first=first, truth=truth, samples=samples, tracks=tracks, fits=fits, scores=scores)
 
 

@@ -8,7 +8,6 @@ import numpy as np
 from dynabot_mj.common import intervals, tables
 from dynabot_mj.common.intervals import Mean, Rate
 from dynabot_mj.common.tables import Table
-from dynabot_mj.estimation.build import NAMES, Name
 from dynabot_mj.experiments.estimators import circle
 from dynabot_mj.experiments.estimators.circle import CircleOutcome
 from dynabot_mj.testbed import paper
@@ -18,7 +17,7 @@ from dynabot_mj.testbed import paper
 class CircleRow:
     """One estimator: means over the runs in which it knew throughout where it was."""
 
-    estimator: Name
+    estimator: str
     uncertainty_m: Mean
     true_error_m: Mean
     nees: Mean | None  # None: it has no ten states
@@ -27,17 +26,17 @@ class CircleRow:
     rms_mean_removed_m: Mean
     heading_rms_deg: Mean
     restarts: int  # in all runs
-    paper_m: float | None  # None: the paper has no such path
+    paper_m: float | None  # None: the paper has no such path, or no such estimator
 
 
 def rows(outcome: CircleOutcome) -> list[CircleRow]:
     """Returns one row for each estimator."""
-    return [_row(outcome, name) for name in NAMES]
+    return [_row(outcome, name) for name in outcome.request.estimators]
 
 
 def ordered(outcome: CircleOutcome) -> Rate:
     """Returns the share of the runs in which the uncertainty is gps > decoupled > coupled, where all have one."""
-    gps, decoupled, coupled = (outcome.scores[name].uncertainty for name in NAMES)
+    gps, decoupled, coupled = (outcome.scores[name].uncertainty for name in ("gps", "decoupled", "coupled"))
     so = ((gps > decoupled) & (decoupled > coupled)).astype(np.float64)
     return intervals.rate(np.where(np.isfinite(gps + decoupled + coupled), so, np.nan))
 
@@ -97,19 +96,19 @@ True error: largest distance of an estimate from where the robot was. RMS is per
 consistent filter are 10 and 4."""
 
 
-def _row(outcome: CircleOutcome, name: Name) -> CircleRow:
-    scores = outcome.scores[name]
+def _row(outcome: CircleOutcome, name: str) -> CircleRow:
+    scores, published = outcome.scores[name], paper.TABLE_II.get(name)
     return CircleRow(
         estimator=name,
         uncertainty_m=intervals.mean(scores.uncertainty),
         true_error_m=intervals.mean(scores.true_error),
-        nees=None if name == "gps" else intervals.mean(scores.nees),
+        nees=intervals.mean(scores.nees) if np.isfinite(scores.nees).any() else None,
         nis=intervals.mean(scores.nis),
         rms_per_axis_m=intervals.mean(scores.rms),
         rms_mean_removed_m=intervals.mean(scores.rms_mean_removed),
         heading_rms_deg=intervals.mean(np.degrees(scores.heading_rms)),
         restarts=outcome.restarts[name],
-        paper_m=paper.TABLE_II[name].uncertainty if outcome.request.path == "circle" else None,
+        paper_m=published.uncertainty if published is not None and outcome.request.path == "circle" else None,
     )
 
 

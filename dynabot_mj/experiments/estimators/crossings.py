@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from dynabot_mj.common.arrays import Array, rms
-from dynabot_mj.estimation import build
 from dynabot_mj.estimation.measurements import wrap
 from dynabot_mj.experiments.estimators.troubles import BEGIN
 from dynabot_mj.sensing.ground_truth import GroundTruth
@@ -22,7 +21,7 @@ SETTLED = 0.5 * BEGIN  # from when errors are judged [s]
 class Crossing:
     """RMS and largest errors where the bearing jumps, and elsewhere."""
 
-    estimator: build.Name
+    estimator: str
     crossings: int
     near_heading_deg: float
     far_heading_deg: float
@@ -32,7 +31,7 @@ class Crossing:
     far_position_m: float
 
 
-def crossing(name: build.Name, truth: GroundTruth, position: Array, heading: Array) -> Crossing:
+def crossing(name: str, truth: GroundTruth, position: Array, heading: Array) -> Crossing:
     """Judges an estimator by its errors.
 
     Args:

@@ -1,6 +1,6 @@
 """Estimators run over a recorded log: what each believed, and, where the log has the truth, how wrong it was."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -8,10 +8,9 @@ import numpy as np
 
 from dynabot_mj.common import tables
 from dynabot_mj.common.arrays import Array, BoolArray, Progress, rms
-from dynabot_mj.estimation import build
-from dynabot_mj.estimation.build import Implementation, Name
 from dynabot_mj.estimation.measurements import STALE, wrap
 from dynabot_mj.estimation.parameters import DEFAULT, Parameters
+from dynabot_mj.perception.estimators import NAMES, Implementation, build
 from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.logs.log import Log
 from dynabot_mj.sensing.replay import Track
@@ -21,6 +20,7 @@ TRACK_COLUMNS = (
     *("time_s", "x_m", "y_m", "vx_mps", "vy_mps", "heading_rad"),
     *("sigma_x_m", "sigma_y_m", "sigma_v_ahead_mps", "sigma_v_left_mps", "sigma_heading_rad"),
 )
+_NONE: Mapping[str, str] = {}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,17 +55,18 @@ class Replay:
     filters: Implementation
     parameters: Parameters
     log: Log
-    tracks: dict[Name, Track]  # arrays (N, 1, ...)
+    tracks: dict[str, Track]  # arrays (N, 1, ...)
     rows: tuple[EstimateRow, ...]
 
 
 def run(
     name: str,
     log: Log,
-    estimators: Sequence[Name] = build.NAMES,
+    estimators: Sequence[str] = NAMES,
     filters: Implementation = "batched",
     parameters: Parameters = DEFAULT,
     progress: Progress = lambda share: None,
+    own: Mapping[str, str] = _NONE,
 ) -> Replay:
     """Runs estimators over a log, each from its first row.
 
@@ -76,15 +77,16 @@ def run(
         filters: Their implementation.
         parameters: What they assume of the sensors.
         progress: Told the share of the work that is done.
+        own: Filters of the user's, by the names of their methods.
     """
     chosen = list(dict.fromkeys(estimators))
     samples, count = log.samples, len(log.time)
-    tracks: dict[Name, Track] = {}
+    tracks: dict[str, Track] = {}
     for estimator in chosen:
         done = len(tracks)
         tracks[estimator] = replay.follow(
             samples,
-            build.build(estimator, (1,), parameters, filters),
+            build(estimator, (1,), parameters, filters, own.get(estimator)),
             lambda index, done=done: progress((done + (index + 1) / count) / len(chosen)),  # type: ignore[misc]
         )
     rows = tuple(_row(estimator, log, track) for estimator, track in tracks.items())
@@ -176,7 +178,7 @@ def position_sigma(track: Track) -> Array:
     return np.sqrt(np.diagonal(track.position_covariance[:, 0], axis1=1, axis2=2))
 
 
-def _row(estimator: Name, log: Log, track: Track) -> EstimateRow:
+def _row(estimator: str, log: Log, track: Track) -> EstimateRow:
     wrong = errors(log, track)
     distance = np.linalg.norm(wrong.position_w, axis=-1)
     distance, turned = (values[np.isfinite(values)] for values in (distance, wrong.heading))

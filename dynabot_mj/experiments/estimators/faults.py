@@ -17,11 +17,11 @@ import numpy as np
 from dynabot_mj.common import intervals
 from dynabot_mj.common.arrays import Array, BoolArray, Progress
 from dynabot_mj.common.intervals import Difference
-from dynabot_mj.estimation import build
 from dynabot_mj.estimation.measurements import GpsFix, ImuSample, wrap
 from dynabot_mj.experiments.estimators import checks, troubles
 from dynabot_mj.experiments.estimators.crossings import Crossing, crossing
 from dynabot_mj.experiments.estimators.troubles import BEGIN, LONGEST, Trouble
+from dynabot_mj.perception import estimators
 from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.ground_truth import GroundTruth
 from dynabot_mj.sensing.options import SensorOptions
@@ -39,7 +39,7 @@ class Cost:
     """What a fault costs an estimator."""
 
     fault: str
-    estimator: build.Name
+    estimator: str
     position_m: float  # mean of the runs' largest errors
     unfaulted_position_m: float  # the same without the fault
     worst_position_m: float  # of all runs
@@ -93,8 +93,8 @@ def run(
     samples = _side_by_side([one.samples for one in drives])
     costs: list[Cost] = []
     crossings: list[Crossing] = []
-    for done, name in enumerate(build.NAMES):
-        progress(done / len(build.NAMES))
+    for done, name in enumerate(estimators.NAMES):
+        progress(done / len(estimators.NAMES))
         every = _errors(name, samples, unfaulted.truth)
         parts = [every.of(slice(index * runs, (index + 1) * runs)) for index in range(len(drives))]
         costs += [_cost(one, name, samples.time, part, parts[0]) for one, part in zip(chosen, parts[1:], strict=True)]
@@ -135,10 +135,10 @@ def _side_by_side(several: Sequence[Samples]) -> Samples:
     )
 
 
-def _errors(name: build.Name, samples: Samples, truth: GroundTruth) -> _Errors:
+def _errors(name: str, samples: Samples, truth: GroundTruth) -> _Errors:
     """Runs an estimator over records of the same paths, one record beside the other."""
     count = samples.imu.magnetic_heading.shape[1]
-    track = replay.follow(samples, build.build(name, (count,)))
+    track = replay.follow(samples, estimators.build(name, (count,)))
     again = (1, count // truth.runs)
     away_w = track.position_w - np.tile(truth.position_w, (*again, 1))
     turned = wrap(track.heading - np.tile(truth.heading, again))
@@ -152,7 +152,7 @@ def _errors(name: build.Name, samples: Samples, truth: GroundTruth) -> _Errors:
     )
 
 
-def _cost(trouble: Trouble, name: build.Name, time: Array, faulted: _Errors, unfaulted: _Errors) -> Cost:
+def _cost(trouble: Trouble, name: str, time: Array, faulted: _Errors, unfaulted: _Errors) -> Cost:
     until = math.inf if trouble.lasts else trouble.end + WITHIN
     judged = (time >= trouble.begin) & (time <= until) & np.isfinite(unfaulted.position).all(axis=1)
     largest, largest_unfaulted = (np.nanmax(one.position[judged], axis=0) for one in (faulted, unfaulted))

@@ -38,7 +38,7 @@ class CaseRow:
     diverged: int
     velocity: str  # where the dissipation's comes from
     estimate_error: EstimateError | None  # None for perfect information
-    paper: Published
+    paper: Published | None  # None: it has no such row
 
     @property
     def label(self) -> str:
@@ -62,7 +62,6 @@ def rows(study: xr.Dataset) -> list[CaseRow]:
 def row(case: xr.Dataset) -> CaseRow:
     """Summarises one case of a study's Dataset."""
     estimator = str(case.estimator.item())
-    published = TABLE_III[estimator]
     return CaseRow(
         plant=str(case.plant.item()),
         perception=str(case.perception.item()) or None,
@@ -78,5 +77,11 @@ def row(case: xr.Dataset) -> CaseRow:
         diverged=int(case.diverged.sum()),
         velocity=str(case.velocity.item()),
         estimate_error=in_loop.errors(case),
-        paper=Published(settling_s=published.settling, collision=published.collision, completion=published.completion),
+        paper=_published(estimator),
     )
+
+
+def _published(estimator: str) -> Published | None:
+    if (row := TABLE_III.get(estimator)) is None:
+        return None
+    return Published(settling_s=row.settling, collision=row.collision, completion=row.completion)

@@ -82,12 +82,13 @@ def reproduction(comparison: Comparison) -> Table:
     shown = [one for one in MEASURES if one.paper_columns]
     body = []
     for estimator, group in itertools.groupby(comparison.rows, lambda one: one.estimator):
-        published = TABLE_III[estimator]
-        body.append([estimator, paper, "", *_published(published)])
-        for row in group:
+        published = TABLE_III.get(estimator)
+        if published is not None:
+            body.append([estimator, paper, "", *_published(published)])
+        for index, row in enumerate(group):
             body.append(
                 [
-                    "",
+                    estimator if published is None and index == 0 else "",
                     row.plant,
                     row.perception or "",
                     f"{row.period_ms:g}",

@@ -31,7 +31,7 @@ class PaperColumn(Generic[S]):
     """A column of the table beside the paper's Table III."""
 
     header: str  # with the unit
-    text: Callable[[S, TableIIIRow], str]  # of a case, beside its row of the paper
+    text: Callable[[S, TableIIIRow | None], str]  # of a case, beside its row of the paper, if it has one
 
 
 @dataclass(frozen=True, kw_only=True)

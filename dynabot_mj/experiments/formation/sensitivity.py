@@ -25,7 +25,7 @@ from dynabot_mj.testbed.paper import UTILISATION_TABLE_I
 
 Run = Callable[[str, Scenario], xr.Dataset]
 
-ESTIMATORS: tuple[scenario.EstimatorName, ...] = ("gps", "decoupled", "coupled")
+ESTIMATORS: tuple[str, ...] = ("gps", "decoupled", "coupled")
 ALPHA = 0.05
 RANKED = {one.name: one.ranking for one in MEASURES if one.ranking is not None}  # by which estimators are ordered
 
@@ -69,7 +69,7 @@ def _surrogate(**values: Any) -> Callable[[Scenario], Scenario]:
 def _methods(**values: Any) -> Callable[[Scenario], Scenario]:
     def changed(setup: Scenario) -> Scenario:
         rows = {name: replace(scenario.method(setup, name), **values) for name in ESTIMATORS}
-        return replace(setup, method=replace(setup.method, **rows))
+        return replace(setup, method={**setup.method, **rows})
 
     return changed
 

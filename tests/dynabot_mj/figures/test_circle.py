@@ -2,9 +2,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
-from dynabot_mj.common.legend import METHOD_COLOURS
-from dynabot_mj.estimation.build import NAMES
 from dynabot_mj.figures import circle
+from dynabot_mj.perception import methods
+from dynabot_mj.perception.estimators import NAMES
 
 
 def test_each_panel_tells_and_marks_the_farthest_point(circled):
@@ -16,7 +16,7 @@ def test_each_panel_tells_and_marks_the_farthest_point(circled):
         lines = {line.get_label(): line for line in axis.lines}
         drawn = np.column_stack(lines["estimated path"].get_data())
         np.testing.assert_array_equal(drawn, chunk.tracks[name].position_w[chunk.first :, 0])
-        assert lines["estimated path"].get_color() == METHOD_COLOURS[name]
+        assert lines["estimated path"].get_color() == methods.colour(name)
         (mark,) = (line for line in axis.lines if line.get_color() == "#D00000" and line.get_marker() == "None")
         assert np.hypot(*np.ptp(mark.get_data(), axis=1)) == pytest.approx(farthest)
     plt.close(figure)

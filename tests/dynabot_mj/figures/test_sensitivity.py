@@ -4,10 +4,10 @@ import matplotlib.pyplot as plt
 import pytest
 
 from dynabot_mj.common import intervals
-from dynabot_mj.common.legend import METHOD_COLOURS
 from dynabot_mj.experiments.formation import case_rows
 from dynabot_mj.experiments.formation.sensitivity import Found, Sensitivity
 from dynabot_mj.figures import sensitivity
+from dynabot_mj.perception import methods
 
 
 def test_each_reading_has_a_line_and_each_estimator_a_mark_with_its_interval(dataset):
@@ -26,7 +26,7 @@ def test_each_reading_has_a_line_and_each_estimator_a_mark_with_its_interval(dat
     hulls = figure.axes[2]
     marks = [line for line in hulls.lines if line.get_marker() == "o"]
     assert [line.get_xdata()[0] for line in marks] == [25.0, 50.0, 75.0, 100.0]
-    assert [line.get_color() for line in marks[:2]] == [METHOD_COLOURS["gps"], METHOD_COLOURS["coupled"]]
+    assert [line.get_color() for line in marks[:2]] == [methods.colour("gps"), methods.colour("coupled")]
     # The second reading stands below the first, and its estimators beside each other.
     assert [round(line.get_ydata()[0]) for line in marks] == [0, 0, 1, 1]
     assert marks[0].get_ydata()[0] != marks[1].get_ydata()[0]

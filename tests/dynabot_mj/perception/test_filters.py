@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dynabot_mj.estimation.build import NAMES, build
 from dynabot_mj.estimation.estimator import Estimator
+from dynabot_mj.perception.estimators import NAMES, build
 from dynabot_mj.perception.filters import FilterPerception
 from dynabot_mj.plants.plant import FleetState
 from dynabot_mj.sensing.faults import Fault

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from dynabot_mj.common.exceptions import InputError
-from dynabot_mj.estimation.build import NAMES
 from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.perception import options
+from dynabot_mj.perception.estimators import NAMES
 from dynabot_mj.perception.options import FilterOptions, FilterParameters, FittedOptions
 from dynabot_mj.study import configuration
 

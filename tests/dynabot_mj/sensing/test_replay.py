@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from dynabot_mj.estimation import build
 from dynabot_mj.experiments.estimators import kinematic
+from dynabot_mj.perception import estimators
 from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.options import SensorOptions
 
@@ -41,7 +41,7 @@ def test_a_run_has_the_samples_of_its_number(record):
 
 
 def test_an_estimator_is_given_every_sample_once_and_in_order(record):
-    seen, estimator = [], build.build("gps", (2,))
+    seen, estimator = [], estimators.build("gps", (2,))
     track = replay.follow(record, estimator, seen.append)
     assert seen == list(range(len(record.time)))
     # Nothing is known before the first fix has come, and what is believed last is what the estimator believes.

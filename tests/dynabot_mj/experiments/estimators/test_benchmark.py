@@ -3,8 +3,8 @@ import json
 import numpy as np
 import pytest
 
-from dynabot_mj.estimation import build
 from dynabot_mj.experiments.estimators import benchmark
+from dynabot_mj.perception import estimators
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def test_threads_are_noted(monkeypatch, value, noted):
     assert ("OMP_NUM_THREADS" in benchmark.markdown(report)) == noted
 
 
-@pytest.mark.parametrize("name", build.NAMES)
+@pytest.mark.parametrize("name", estimators.NAMES)
 def test_operations_are_at_least_those_of_the_dense_products(name):
     """By hand, of each of FilterPy's filters; models, gates and the like come on top, by less than half."""
 

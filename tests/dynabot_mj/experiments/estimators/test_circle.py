@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from dynabot_mj.common.exceptions import InputError
-from dynabot_mj.estimation.build import NAMES
 from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.experiments.estimators import circle, circle_report
+from dynabot_mj.perception.estimators import NAMES
 from dynabot_mj.sensing.options import matched
 from dynabot_mj.testbed import paper
 

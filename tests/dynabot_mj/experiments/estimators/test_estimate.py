@@ -3,13 +3,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from dynabot_mj.estimation import build
 from dynabot_mj.experiments.estimators import estimate
+from dynabot_mj.perception import estimators
 from dynabot_mj.sensing.faults import Fault
 
 
 def test_the_summary_is_that_of_the_tracks(replayed, driven):
-    assert [row.estimator for row in replayed.rows] == list(build.NAMES) == list(replayed.tracks)
+    assert [row.estimator for row in replayed.rows] == list(estimators.NAMES) == list(replayed.tracks)
     for row in replayed.rows:
         track = replayed.tracks[row.estimator]
         known = track.known[:, 0]

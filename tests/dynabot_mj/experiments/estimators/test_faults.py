@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dynabot_mj.estimation.parameters import DEFAULT
 from dynabot_mj.experiments.estimators import faults, troubles
 
 # Whose heading is learned again from bearings that iron draws off: it takes more than a lap to average that out.
@@ -87,9 +88,9 @@ def test_recovery_is_that_of_the_runs_that_have_to_be_back():
 
 def test_a_fault_that_breaks_an_estimator_would_show(monkeypatch):
     """Of an estimator that never believes what it has rejected: one that starts turned stays so."""
-    stubborn = replace(faults.build.DEFAULT, fix_patience=np.inf, bearing_patience=np.inf)
-    built = faults.build.build
-    monkeypatch.setattr(faults.build, "build", lambda name, shape: built(name, shape, stubborn))
+    stubborn = replace(DEFAULT, fix_patience=np.inf, bearing_patience=np.inf)
+    built = faults.estimators.build
+    monkeypatch.setattr(faults.estimators, "build", lambda name, shape: built(name, shape, stubborn))
     (trouble,) = (one for one in troubles.every() if "ends at rest" in one.name)
     found = faults.run(2, runs=2, chosen=[trouble])
     assert named(found, "", "coupled").position_recovery_s is None

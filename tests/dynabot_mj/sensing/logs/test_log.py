@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dynabot_mj.common.exceptions import InputError
-from dynabot_mj.estimation import build
 from dynabot_mj.experiments.estimators import kinematic
+from dynabot_mj.perception import estimators
 from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.faults import Fault
 from dynabot_mj.sensing.logs import log as logs
@@ -67,13 +67,13 @@ def test_a_file_gives_the_estimates_of_the_samples_in_memory(drive, log, tmp_pat
     _, recorded = drive
     path = tmp_path / f"log.{extension}"
     logs.write(path, log)
-    for name in build.NAMES:
-        tracks = [replay.follow(one, build.build(name, (1,))) for one in (logs.read(path).samples, log.samples)]
+    for name in estimators.NAMES:
+        tracks = [replay.follow(one, estimators.build(name, (1,))) for one in (logs.read(path).samples, log.samples)]
         for field in dataclasses.fields(replay.Track):
             a, b = (getattr(track, field.name) for track in tracks)
             np.testing.assert_array_equal(a, b)
         # Of the run itself they differ by the rounding of time - age.
-        run = replay.follow(recorded, build.build(name, (2,)))
+        run = replay.follow(recorded, estimators.build(name, (2,)))
         np.testing.assert_allclose(tracks[0].position_w[:, 0], run.position_w[:, 1], atol=1e-9)
         np.testing.assert_array_equal(tracks[0].known[:, 0], run.known[:, 1])
 
