@@ -22,7 +22,8 @@ _READINGS = ".readings"  # folder of the finished parts of a sensitivity study, 
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    from dynabot_mj.study.scenario import PERCEPTIONS, PLANTS
+    from dynabot_mj.plants.kinds import PLANTS
+    from dynabot_mj.study.scenario import PERCEPTIONS
 
     command = parsers.command(commands, compare, parsers.study(), parsers.execution())
     command.add_argument("--trials", type=int, help="trials of each case (default 100)")

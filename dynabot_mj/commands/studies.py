@@ -59,18 +59,19 @@ def build(options: argparse.Namespace, defaults: Mapping[str, Any] = _NONE, **ot
 
 def _look_for_idle(options: argparse.Namespace, setup: Any, typed: Mapping[str, str]) -> None:
     """Refuses options that do nothing in a study, and says which keys of its file do nothing."""
+    from dynabot_mj.plants.kinds import any_bodies
     from dynabot_mj.study import idle_keys
 
     idle = idle_keys.idle(setup)
     for key, option in typed.items():
         if why := idle.get(key) or idle.get(key.rpartition(".")[0]):
             raise InputError(f"{option} given, but {why}")
-    if getattr(options, "threads", 1) > 1 and "rigid" not in setup.plants:
+    if getattr(options, "threads", 1) > 1 and not any_bodies(setup.plants):
         raise InputError(f"--threads {options.threads} given, but they are MuJoCo's, and the study has no rigid robots")
     for why in dict.fromkeys((changed := idle_keys.changed(setup)).values()):
         keys = ", ".join(key for key, reason in changed.items() if reason == why)
         print(f"note: {keys} in {options.config}: no effect, since {why}", file=sys.stderr)
-    if "rigid" not in setup.plants and {"vehicle.model", "vehicle.payload"} & set(typed):
+    if not any_bodies(setup.plants) and {"vehicle.model", "vehicle.payload"} & set(typed):
         print("note: of the vehicle point masses take the mass and the footprint", file=sys.stderr)
 
 

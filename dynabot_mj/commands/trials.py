@@ -14,7 +14,8 @@ _CHOICES = {"plants": "plant", "estimators": "estimator", "perception": "percept
 def parser() -> argparse.ArgumentParser:
     """Returns the options that choose the trial, beside those of `parsers.science`."""
     from dynabot_mj.perception.estimators import IMPLEMENTATIONS
-    from dynabot_mj.study.scenario import PERCEPTIONS, PLANTS
+    from dynabot_mj.plants.kinds import PLANTS
+    from dynabot_mj.study.scenario import PERCEPTIONS
 
     parser = argparse.ArgumentParser(add_help=False)
     parser.add_argument("--plant", choices=PLANTS, help="default rigid")

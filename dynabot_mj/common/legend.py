@@ -1,4 +1,4 @@
-"""What perceptions and plants are called in figures, films and reports, and colours; methods have records of their own.
+"""What perceptions are called in figures, films and reports, and colours; methods and plants have records of their own.
 
 A colour means the same everywhere: one per robot, method and perception, colour-blind safe.
 """
@@ -8,7 +8,6 @@ PERCEPTION_NAMES = {
     "filter": "filters",
     "fitted": "fitted error",
 }
-PLANT_NAMES = {"particle": "point masses", "rigid": "rigid bodies"}
 
 # Okabe and Ito's palette for robots; Tol's "muted" and "bright" for perceptions and methods, none of them shared.
 ROBOT_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#000000")

@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from dynabot_mj.common.legend import (
     PERCEPTION_COLOURS,
     PERCEPTION_NAMES,
-    PLANT_NAMES,
 )
 from dynabot_mj.figures.style import STYLE
 from dynabot_mj.perception import methods
+from dynabot_mj.plants.kinds import KINDS
 
 
 def errors(study: xr.Dataset) -> Figure | None:
@@ -37,17 +37,17 @@ def errors(study: xr.Dataset) -> Figure | None:
         )
         for axis, estimator in zip(axes[0], estimators, strict=True):
             for case in (case for case in cases if case.estimator == estimator):
-                perception, plant = str(case.perception.item()), str(case.plant.item())
+                perception, kind = str(case.perception.item()), KINDS[str(case.plant.item())]
                 covariance = case.position_autocovariance.mean("trial").values
                 axis.plot(
                     case.error_lag.values,
                     covariance / covariance[0],
-                    "-" if plant == "rigid" else "--",
+                    linestyle=kind.line,
                     marker="o",
                     markersize=3.5,
-                    fillstyle="full" if plant == "rigid" else "none",
+                    fillstyle="full" if kind.body else "none",
                     color=PERCEPTION_COLOURS[perception],
-                    label=f"{PERCEPTION_NAMES[perception]}, {PLANT_NAMES[plant]}: {math.sqrt(covariance[0]):.2f} m",
+                    label=f"{PERCEPTION_NAMES[perception]}, {kind.label}: {math.sqrt(covariance[0]):.2f} m",
                 )
             axis.set_xscale("symlog", linthresh=0.05, linscale=0.3)
             axis.set_xlim(0.0, 40.0)

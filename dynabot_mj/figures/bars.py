@@ -11,16 +11,15 @@ from matplotlib.patches import Patch
 from dynabot_mj.common.intervals import Hazard, Mean, MeanInterval, Rate
 from dynabot_mj.common.legend import (
     PERCEPTION_NAMES,
-    PLANT_NAMES,
 )
 from dynabot_mj.experiments.formation import measures
 from dynabot_mj.experiments.formation.case_rows import CaseRow
 from dynabot_mj.experiments.formation.compare import Comparison
 from dynabot_mj.figures.style import STYLE
 from dynabot_mj.perception import methods
+from dynabot_mj.plants.kinds import KINDS
 from dynabot_mj.testbed import paper
 
-_PLANT_ALPHA = {"particle": 0.45, "rigid": 1.0}
 _PERCEPTION_HATCH = {"": "", "gauss-markov": "", "filter": "...", "fitted": "xxx"}
 
 _Bar = tuple[float, float, float]  # height, and the lengths of its whiskers below and above
@@ -33,7 +32,7 @@ def table_iii(comparison: Comparison) -> Figure:
     Of point masses where the study has them: its collision is of centres, which bodies cannot bring that near.
     """
     rows = comparison.rows
-    plant = min(row.plant for row in rows)  # particle comes first
+    plant = min((row.plant for row in rows), key=[*KINDS].index)
     rows = [row for row in rows if row.plant == plant]
 
     told = measures.panels("table_iii")
@@ -48,7 +47,7 @@ def table_iii(comparison: Comparison) -> Figure:
         [title for _, title in told],
         lambda row: [_bar(row.measured[one.name], one.scale) for one, _ in told],
         published,
-        f"Table III of the paper, and {trials} trials of {PLANT_NAMES[plant]} here (seed {seed}); "
+        f"Table III of the paper, and {trials} trials of {KINDS[plant].label} here (seed {seed}); "
         "rates with 95 % Wilson intervals",
     )
 
@@ -114,7 +113,7 @@ def _bars(
 
 def _drawn(row: CaseRow, colour: str) -> dict[str, Any]:
     hatch = _PERCEPTION_HATCH[row.perception or ""]
-    drawn = {"facecolor": colour, "alpha": _PLANT_ALPHA[row.plant], "hatch": hatch, "edgecolor": "white"}
+    drawn = {"facecolor": colour, "alpha": KINDS[row.plant].opacity, "hatch": hatch, "edgecolor": "white"}
     return drawn if hatch else {**drawn, "edgecolor": "none"}
 
 
@@ -125,7 +124,7 @@ def _legend(rows: Sequence[CaseRow], published: bool) -> list[Patch]:
     label = f"paper, {paper.ROBOTS} robots, {paper.TRIALS_TABLE_III} trials"
     return [
         *([Patch(**empty, hatch="////", label=label)] if published else []),
-        *(Patch(facecolor="#444444", alpha=_PLANT_ALPHA[plant], label=PLANT_NAMES[plant]) for plant in plants),
+        *(Patch(facecolor="#444444", alpha=KINDS[plant].opacity, label=KINDS[plant].label) for plant in plants),
         *(
             Patch(**empty, hatch=_PERCEPTION_HATCH[name], label=PERCEPTION_NAMES[name])
             for name in (perceptions if len(perceptions) > 1 else [])

@@ -19,9 +19,8 @@ from dynabot_mj.experiments.formation.measures import PAIRED
 from dynabot_mj.experiments.formation.paired_tests import Paired
 from dynabot_mj.figures.style import STYLE
 from dynabot_mj.perception import methods
+from dynabot_mj.plants.kinds import KINDS
 from dynabot_mj.study import configuration
-
-_LINES = {"rigid": "-", "particle": (0, (3.0, 1.4))}
 
 
 def incidence(study: xr.Dataset) -> Figure | None:
@@ -127,10 +126,10 @@ def _panels(study: xr.Dataset, draw: Callable[..., str], across: str, up: str) -
                 plant, perception = str(case.plant.item()), str(case.perception.item())
                 several = len(perceptions) > 1
                 colour = PERCEPTION_COLOURS[perception] if several else methods.colour(estimator)
-                name = legend.PLANT_NAMES[plant]
+                name = KINDS[plant].label
                 if several:
                     name += f", {legend.PERCEPTION_NAMES[perception]}"
-                counted = draw(axis, case, color=colour, linestyle=_LINES[plant], linewidth=1.7)
+                counted = draw(axis, case, color=colour, linestyle=KINDS[plant].line, linewidth=1.7)
                 axis.lines[-1].set_label(f"{name}: {counted}")
             axis.set_title(methods.label(estimator))
             axis.xaxis.set_tick_params(labelbottom=True)

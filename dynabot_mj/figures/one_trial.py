@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 from numpy.lib.stride_tricks import sliding_window_view
 
-from dynabot_mj.common import legend
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.legend import ROBOT_COLOURS
 from dynabot_mj.figures.style import STYLE
 from dynabot_mj.perception import methods
+from dynabot_mj.plants.kinds import KINDS
 from dynabot_mj.study import assembly
 from dynabot_mj.viewing.recording import Recording
 
@@ -71,12 +71,12 @@ def effort(recordings: Sequence[Recording]) -> Figure:
 
 def slip(recordings: Sequence[Recording]) -> Figure | None:
     """Draws the largest slip of each robot's tyres; None where all are point masses."""
-    rigid = [one for one in recordings if one.case.plant == "rigid"]
+    bodies = [one for one in recordings if KINDS[one.case.plant].body]
 
     def draw(axis: Axes, recording: Recording) -> None:
         _draw_robots(axis, recording.time, recording.slip)
 
-    return _grid(rigid, draw, "largest slip of a tyre [m/s]", share="all") if rigid else None
+    return _grid(bodies, draw, "largest slip of a tyre [m/s]", share="all") if bodies else None
 
 
 def estimate_error(recordings: Sequence[Recording]) -> Figure | None:
@@ -171,4 +171,4 @@ def _running(time: Array, values: Array) -> tuple[Array, Array, Array]:
 def _title(recording: Recording, several: bool) -> str:
     """Returns a panel's title, with the perception where there are several."""
     case = recording.case
-    return f"{methods.label(case.estimator, case.perception if several else None)}, {legend.PLANT_NAMES[case.plant]}"
+    return f"{methods.label(case.estimator, case.perception if several else None)}, {KINDS[case.plant].label}"

@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 
 from dynabot_mj.common.legend import (
     PERCEPTION_NAMES,
-    PLANT_NAMES,
     ROBOT_COLOURS,
 )
 from dynabot_mj.figures.style import STYLE
 from dynabot_mj.perception import methods
+from dynabot_mj.plants.kinds import KINDS
 from dynabot_mj.study import assembly, configuration
 from dynabot_mj.study.scenario import Scenario
 
@@ -44,7 +44,7 @@ def trajectories(study: xr.Dataset, estimator: str, perception: str) -> Figure:
             for axis in axes[:, column]:
                 _draw_paths(axis, case)
                 _draw_well(axis, setup, estimator)
-            axes[0, column].set_title(PLANT_NAMES[str(case.plant.item())])
+            axes[0, column].set_title(KINDS[str(case.plant.item())].label)
             # The same limits for both plants, so that the paths can be compared.
             edge = assembly.field(setup, "perfect").leader.radius + setup.field.width
             near = edge + 2.5

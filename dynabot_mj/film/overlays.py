@@ -17,6 +17,7 @@ from dynabot_mj.film.shot import Shot
 from dynabot_mj.film.take import Take
 from dynabot_mj.formation.leader import LEADER_W
 from dynabot_mj.plants import scene
+from dynabot_mj.plants.kinds import KINDS
 from dynabot_mj.study import assembly, fleet
 from dynabot_mj.viewing import stage
 
@@ -76,7 +77,7 @@ class Overlays:
         vehicle = scene.read_robot(fleet.conditions(one.setup)).vehicle
         self._hull = (vehicle.length / 2.0, vehicle.breadth / 2.0)
         self._radius = one.setup.collision_distance / 2.0  # of a point mass
-        self._rigid = one.case.plant == "rigid"
+        self._body = KINDS[one.case.plant].body
         links = one.setup.robots * (one.setup.robots - 1)
         self._link_opacity = _LINK_OPACITY * math.sqrt(_FEW_LINKS / max(links, _FEW_LINKS))
         limit = assembly.field(one.setup, one.case.estimator).force_limit
@@ -119,7 +120,7 @@ class Overlays:
         for place, heading in zip(one.position_w[now.k], one.heading[now.k], strict=True):
             for size, opacity in _SHADOWS:
                 centre, colour = now.lifted(place + _SUN, 0.6), (0, 0, 0, opacity)
-                if self._rigid:
+                if self._body:
                     now.pencil.box(centre, (size * self._hull[0], size * self._hull[1], 1e-3), heading, colour)
                 else:
                     now.pencil.disc(centre, size * self._radius, colour)
@@ -169,7 +170,7 @@ class Overlays:
     def _ghost(self, now: _Moment, robot: int, place_w: Array) -> None:
         """Draws a translucent robot; its heading is the true one, since only a position is believed."""
         colour = (*self._colours[robot][:3], _GHOST_OPACITY)
-        if self._rigid:
+        if self._body:
             heading = self._take.recording.heading[now.k, robot]
             now.pencil.box(np.array([*place_w, 0.09]), (*self._hull, 0.07), heading, colour)
         else:

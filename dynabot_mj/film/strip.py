@@ -8,10 +8,11 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
 from dynabot_mj.common.arrays import Array
-from dynabot_mj.common.legend import PERCEPTION_NAMES, PLANT_NAMES, ROBOT_COLOURS
+from dynabot_mj.common.legend import PERCEPTION_NAMES, ROBOT_COLOURS
 from dynabot_mj.film.shot import Shot
 from dynabot_mj.film.take import Take
 from dynabot_mj.perception import methods
+from dynabot_mj.plants.kinds import KINDS
 from dynabot_mj.study import scenario
 
 Picture = npt.NDArray[np.uint8]
@@ -38,7 +39,7 @@ class Strip:
         case = one.case
         _, control_ticks = scenario.periods(one.setup, case.estimator)
         method = methods.label(case.estimator)
-        kind = PERCEPTION_NAMES[case.perception] if case.perception else PLANT_NAMES[case.plant]
+        kind = PERCEPTION_NAMES[case.perception] if case.perception else KINDS[case.plant].label
         columns = [
             ("time", "000.0 s", self._time),
             (kind, method, None),

@@ -16,6 +16,7 @@ from dynabot_mj.film import encoder, film, take
 from dynabot_mj.film.shot import Shot
 from dynabot_mj.host import opengl
 from dynabot_mj.perception import methods
+from dynabot_mj.plants.kinds import KINDS
 from dynabot_mj.report.contents import Material
 from dynabot_mj.study import configuration, scenario
 from dynabot_mj.study.scenario import Scenario
@@ -93,10 +94,10 @@ def _clip(recordings: Sequence[Recording], progress: Progress) -> tuple[bytes | 
     Returns:
         An mp4 file and what it shows, or None and why there is none.
     """
-    rigid = [one for one in recordings if one.case.plant == "rigid"]
-    if not rigid:
+    bodies = [one for one in recordings if KINDS[one.case.plant].body]
+    if not bodies:
         return None, "There is no film: it shows rigid robots, and the study has none that can be run again."
-    chosen = next((one for one in rigid if one.case.estimator == _FILMED), rigid[0])
+    chosen = next((one for one in bodies if one.case.estimator == _FILMED), bodies[0])
     try:
         opengl.require()
         taken = take.take(chosen.setup, _SHOT, beside=False, progress=lambda share: progress(0.2 * share))

@@ -18,6 +18,7 @@ from dynabot_mj.perception.filters import FilterPerception
 from dynabot_mj.perception.options import FittedError
 from dynabot_mj.perception.surrogates import FittedPerception, GaussMarkovPerception, PerfectPerception
 from dynabot_mj.plants import scene
+from dynabot_mj.plants.kinds import KINDS
 from dynabot_mj.plants.plant import FleetState, Plant, WheeledPlant
 from dynabot_mj.study import fleet, scenario
 from dynabot_mj.study.scenario import Case, Scenario
@@ -159,7 +160,7 @@ def perception(
                 trials,
                 start,
                 alignment=setup.filter.alignment,
-                uphill=setup.vehicle.slope if case.plant == "rigid" else 0.0,
+                uphill=setup.vehicle.slope if KINDS[case.plant].body else 0.0,
             )
         case "fitted":
             error: FittedError = getattr(setup.fitted, name)

@@ -11,6 +11,7 @@ from dynabot_mj.controllers.potential_field import polygon_circumradius
 from dynabot_mj.formation import laws
 from dynabot_mj.perception import options as perception_options
 from dynabot_mj.plants import scene
+from dynabot_mj.plants.kinds import KINDS, any_bodies
 from dynabot_mj.sensing import options as sensing_options
 from dynabot_mj.study import assembly, fleet, methods, scenario
 from dynabot_mj.study.methods import BUILT_IN
@@ -91,7 +92,7 @@ def _check_start(setup: Scenario) -> None:
     vehicle = scene.read_robot(fleet.conditions(setup)).vehicle
     # Robots that are turned at random must not start with their hulls in each other: one would be thrown on its back.
     diagonal = math.hypot(vehicle.length + 2.0 * vehicle.margin, vehicle.breadth + 2.0 * vehicle.margin)
-    if "rigid" in setup.plants and start.spacing <= diagonal:
+    if any_bodies(setup.plants) and start.spacing <= diagonal:
         raise InputError(
             f"start.spacing = {start.spacing:g} m given; with the rigid plant it must be beyond the diagonal of a "
             f"robot's footprint, {diagonal:.3g} m"
@@ -109,14 +110,14 @@ def _check_vehicle(setup: Scenario) -> None:
     if isinstance(setup.vehicle.friction, tuple) and setup.vehicle.friction[0] > setup.vehicle.friction[1]:
         low, high = setup.vehicle.friction
         raise InputError(f"vehicle.friction = {low:g}..{high:g} given, the first must not be above the second")
-    if setup.vehicle.slope != 0.0 and "rigid" not in setup.plants:
+    if setup.vehicle.slope != 0.0 and not any_bodies(setup.plants):
         raise InputError(
             f"vehicle.slope = {setup.vehicle.slope:g} given with the plant particle alone, which knows no ground"
         )
     fleet.local_laws(setup)
     vehicle = scene.read_robot(fleet.conditions(setup)).vehicle
     # The same mass, so that the body is all that differs.
-    if "rigid" in setup.plants and abs(fleet.mass(setup) - vehicle.mass) > 1e-6:
+    if any_bodies(setup.plants) and abs(fleet.mass(setup) - vehicle.mass) > 1e-6:
         raise InputError(
             f"mass = {setup.mass:g} kg given; with the rigid plant it must be the model's and its payload, "
             f"{vehicle.mass:g} kg"
@@ -150,7 +151,7 @@ def _sizes(name: str, default: Any) -> tuple[float, float]:
 
 def _check_perception(setup: Scenario) -> None:
     """Checks velocity sources, filters and sensors; see `check`."""
-    if setup.velocity in ("odometry", "reference") and "particle" in setup.plants:
+    if setup.velocity in ("odometry", "reference") and not all(KINDS[name].body for name in setup.plants):
         raise InputError(f"velocity = {setup.velocity!r} given with the plant particle; it exists on rigid robots only")
     own = [name for name in setup.estimators if name not in BUILT_IN]
     if own and "fitted" in setup.perception:
@@ -163,7 +164,7 @@ def _check_perception(setup: Scenario) -> None:
             "is for single trials: 'batched' gives the same"
         )
     steepness = abs(setup.vehicle.slope) + math.tan(setup.sensors.ground.slope)
-    if "rigid" in setup.plants and "filter" in setup.perception and steepness > _STEEPEST:
+    if any_bodies(setup.plants) and "filter" in setup.perception and steepness > _STEEPEST:
         raise InputError(
             f"vehicle.slope = {setup.vehicle.slope:g} and sensors.ground.slope = {setup.sensors.ground.slope:g} given "
             f"with the perception filter on rigid robots, allowed are together {_STEEPEST:g}: accelerometers feel a "

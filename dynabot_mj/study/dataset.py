@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from dynabot_mj.common import netcdf
 from dynabot_mj.common.arrays import Progress
 from dynabot_mj.formation.scorer import Scores
 from dynabot_mj.study import checks, configuration, provenance, scenario
@@ -90,7 +91,7 @@ def save(dataset: xr.Dataset, path: Path | str) -> None:
         >>> Path("study.nc").is_file()
         True
     """
-    Path(path).write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+    Path(path).write_bytes(netcdf.content(dataset))
 
 
 def load(path: Path | str) -> xr.Dataset:

@@ -16,6 +16,7 @@ from pathlib import Path
 from dynabot_mj.common.arrays import Progress
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.host import files, opengl, processes
+from dynabot_mj.plants.kinds import KINDS
 from dynabot_mj.study import configuration, provenance, scenario
 from dynabot_mj.study.assembly import simulate
 from dynabot_mj.study.scenario import Case, Scenario
@@ -77,7 +78,8 @@ class _Chunk:
     @property
     def weight(self) -> float:
         """Rough seconds of work, for the estimate of the remaining time and the order of the chunks."""
-        per_trial = {"particle": 2e-4, "rigid": 1.5e-3 * self.setup.robots}[self.case.plant]
+        trial, robot = KINDS[self.case.plant].work
+        per_trial = trial + robot * self.setup.robots
         events = 1e3 / scenario.periods(self.setup, self.case.estimator)[1]
         if self.case.perception == "filter":
             per_trial += 1e-5 * events * self.setup.robots

@@ -3,6 +3,7 @@
 from dataclasses import asdict
 
 from dynabot_mj.common.trees import flat
+from dynabot_mj.plants.kinds import any_bodies
 from dynabot_mj.study.scenario import Scenario
 
 _TYRES = "the study has point masses alone, which have no tyres, motors or local laws"
@@ -16,7 +17,7 @@ def idle(setup: Scenario) -> dict[str, str]:
     """
     perfect_alone = set(setup.estimators) == {"perfect"}
     used = set() if perfect_alone else set(setup.perception)
-    bodies = "rigid" in setup.plants
+    bodies = any_bodies(setup.plants)
     found = {} if bodies else {f"vehicle.{key}": _TYRES for key in _OF_BODIES}
     if not bodies and "filter" not in used:
         found["start.headings"] = "the study has point masses alone, and no sensors on them"

@@ -16,17 +16,16 @@ from dynabot_mj.common.validation import STRICT, Positive
 from dynabot_mj.formation import laws
 from dynabot_mj.formation.options import CompletionOptions, FieldOptions, StartOptions
 from dynabot_mj.perception.options import FilterOptions, FittedOptions, SurrogateOptions
+from dynabot_mj.plants.kinds import PLANTS, PlantName
 from dynabot_mj.plants.options import VehicleOptions
 from dynabot_mj.sensing.options import SensorOptions
 from dynabot_mj.study.methods import BUILT_IN, Method
 from dynabot_mj.testbed import paper, schedule
 from dynabot_mj.testbed.options import ProcessorOptions, RadioOptions
 
-PlantName = Literal["particle", "rigid"]
 PerceptionName = Literal["gauss-markov", "filter", "fitted"]
 VelocityName = Literal["auto", "estimate", "truth", "odometry", "reference"]
 
-PLANTS: tuple[PlantName, ...] = get_args(PlantName)
 ESTIMATORS = tuple(BUILT_IN)
 PERCEPTIONS: tuple[PerceptionName, ...] = get_args(PerceptionName)
 VELOCITIES: tuple[VelocityName, ...] = get_args(VelocityName)

@@ -12,6 +12,7 @@ import numpy as np
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.legend import ROBOT_COLOURS, rgb
 from dynabot_mj.plants import scene
+from dynabot_mj.plants.kinds import KINDS
 from dynabot_mj.study import assembly, fleet
 from dynabot_mj.study.scenario import Case, Scenario
 
@@ -45,15 +46,15 @@ class Stage:
             case: One of them; its point masses are spheres as wide as the distance at which they collide.
             signs: With the rings and what robots believe, for whoever draws none of it.
         """
-        rigid, ghosts = case.plant == "rigid", signs and case.perception is not None
-        field = scene.compose(setup.robots if rigid else 0, fleet.conditions(setup))
+        bodies, ghosts = KINDS[case.plant].body, signs and case.perception is not None
+        field = scene.compose(setup.robots if bodies else 0, fleet.conditions(setup))
         well = assembly.field(setup, case.estimator).leader
         self.rings = tuple(zip((well.radius, well.radius + well.width), _RING_COLOURS, strict=True))  # [m], RGBA
         for radius, ring in self.rings if signs else ():
             _add_ring(field, radius, ring)
         for robot in range(setup.robots):
             colour = rgb(ROBOT_COLOURS[robot])
-            if not rigid:
+            if not bodies:
                 _add_ball(field, _point(robot), setup.collision_distance / 2.0, (*colour, 1.0))
             elif paint := field.material(f"{scene.prefix(robot)}paint"):  # another robot's MJCF may have none
                 paint.rgba = [*colour, 1.0]
@@ -63,7 +64,7 @@ class Stage:
         self.model = field.compile()
         self.data = mujoco.MjData(self.model)
         self._point_height = setup.collision_distance / 2.0
-        self._points = [self._mocap(_point(robot)) for robot in range(setup.robots)] if not rigid else []
+        self._points = [self._mocap(_point(robot)) for robot in range(setup.robots)] if not bodies else []
         self._ghosts = [self._mocap(_ghost(robot)) for robot in range(setup.robots)] if ghosts else []
 
     def place(self, snapshot: Snapshot) -> None:

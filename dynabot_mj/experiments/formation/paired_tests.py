@@ -19,6 +19,7 @@ from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.intervals import Difference, Median
 from dynabot_mj.experiments.formation.measure import FACTORS, Factor, PairedMeasure
 from dynabot_mj.experiments.formation.measures import PAIRED, TESTED
+from dynabot_mj.plants.kinds import KINDS
 
 _EQUIVALENCE_CONFIDENCE = 0.90  # of two one-sided tests at 5 %
 _FEWEST_EQUIVALENT = 10  # pairs, below which nothing is told equivalent
@@ -149,11 +150,12 @@ def equivalences(study: xr.Dataset) -> list[Equivalence]:
 def _pairs(study: xr.Dataset, factor: Factor) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
     """Yields the cases that differ in one factor alone."""
     cases = [study.isel(case=index) for index in range(study.sizes["case"])]
-    others = [name for name in FACTORS if name != factor]
+    others, order = [name for name in FACTORS if name != factor], [*KINDS]
     for one, other in itertools.combinations(cases, 2):
         if one[factor] == other[factor] or any(one[name] != other[name] for name in others):
             continue
-        yield (other, one) if factor == "plant" and str(one.plant.item()) == "rigid" else (one, other)
+        turned = factor == "plant" and order.index(str(one.plant.item())) > order.index(str(other.plant.item()))
+        yield (other, one) if turned else (one, other)
 
 
 def _compared(measure: PairedMeasure[Any], factor: Factor, one: xr.Dataset, other: xr.Dataset) -> Difference:

@@ -10,6 +10,7 @@ from dynabot_mj.common import intervals
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.intervals import Hazard, Mean, MeanInterval, Median, Rate
 from dynabot_mj.experiments.formation import trial_values
+from dynabot_mj.plants.kinds import KINDS
 from dynabot_mj.testbed.paper import TRIALS_TABLE_III, TableIIIRow
 
 
@@ -104,7 +105,7 @@ def settling(case: xr.Dataset) -> Settling:
 
 def collision_of_centres(case: xr.Dataset) -> Rate | None:
     """Returns the paper's collision of a case; None for bodies."""
-    return None if str(case.plant.item()) == "rigid" else rate("collision")(case)
+    return None if KINDS[str(case.plant.item())].body else rate("collision")(case)
 
 
 def contact_hazard(case: xr.Dataset) -> ContactHazard:

@@ -7,6 +7,7 @@ import xarray as xr
 
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.formation import metrics
+from dynabot_mj.plants.kinds import KINDS
 
 
 def variable(case: xr.Dataset, name: str) -> Array:
@@ -44,4 +45,4 @@ def restricted(case: xr.Dataset, name: str) -> Array:
 def of_centres(case: xr.Dataset) -> Array:
     """Returns the paper's collision, (trials,); undefined for bodies, whose centres cannot come that near."""
     found = variable(case, "collision")
-    return np.full_like(found, np.nan) if str(case.plant.item()) == "rigid" else found
+    return np.full_like(found, np.nan) if KINDS[str(case.plant.item())].body else found

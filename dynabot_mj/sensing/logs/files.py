@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 import xarray as xr
 
+from dynabot_mj.common import netcdf
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.host import files
@@ -141,7 +142,7 @@ def _netcdf(columns: Mapping[str, Array]) -> bytes:
         for name, values in columns.items()
     }
     dataset = xr.Dataset(variables, attrs={"title": "Log of a robot's sensors"})
-    return bytes(dataset.to_netcdf(engine="h5netcdf"))
+    return netcdf.content(dataset)
 
 
 def _content(path: Path) -> bytes:
