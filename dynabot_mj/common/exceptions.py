@@ -85,7 +85,7 @@ def one_line(
         key = ".".join(part for part in found["loc"] if isinstance(part, str) and part.isidentifier())
         if found["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
             lines[key] = f"unknown key {key or repr(found['loc'][-1])}{suggestion(key, allowed)}"
-        elif found["type"] == "missing":
+        elif found["type"] == "missing" and isinstance(found["loc"][-1], str):
             lines[key] = f"{key} is missing, it must be given"
         else:
             # What a union or a tuple adds behind its first finding is about our types, not about the input.

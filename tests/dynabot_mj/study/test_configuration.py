@@ -13,7 +13,7 @@ def test_precedence_is_defaults_then_file_then_options():
     text = "trials = 7\nseed = 3\n[method.gps]\nalpha_h = 310\n[start]\ndistance = 40.0"
     setup = configuration.load(text, "study.toml", seed=4, headings="leader", duration=None)
     assert (setup.trials, setup.seed, scenario.duration(setup)) == (7, 4, 80.0)
-    assert (setup.method.gps.alpha_h, setup.method.gps.alpha_d) == (310.0, 150.0)
+    assert (setup.method["gps"].alpha_h, setup.method["gps"].alpha_d) == (310.0, 150.0)
     assert (setup.start.distance, setup.start.headings) == (40.0, "leader")
 
 
@@ -39,7 +39,10 @@ def test_faults_survive_their_toml():
         ("robots = 0", "robots = 0"),
         ("duration = nan", "duration = nan"),
         ("duration = inf", "duration = inf"),
-        ("estimators = ['foo']", "'perfect', 'gps', 'decoupled' or 'coupled'"),
+        (
+            "estimators = ['foo']",
+            "estimators = 'foo' given, it must be one of perfect, gps, decoupled, coupled, or a method of your own",
+        ),
         ("plants = []", "at least 1 item"),
         ("field = 3", "field = 3"),
         ("method = 3", "method = 3"),

@@ -134,7 +134,7 @@ def test_manoeuvres_come_from_a_file(tmp_path):
     ("text", "message"),
     [
         ("[[manoeuvre]]\nkind = 'jump'", "kind = 'jump'"),
-        ("[[manoeuvre]]\nforce = 30.0", "kind = {'force': 30.0}: field required"),
+        ("[[manoeuvre]]\nforce = 30.0", "kind is missing, it must be given"),
         ("[[manoeuvre]]\nkind = 'step'\nbogus = 1", "unknown key bogus (the keys are kind, force, direction, "),
         ("[[manoeuvre]]\nkind = 'step'\nforce = -1.0", "force = -1"),
         ("[[manoeuvre]]\nkind = 'step'\nforce = nan", "force = nan"),
