@@ -182,9 +182,9 @@ def run(
 
 def told_kept(studies: Sequence[tuple[Any, Path]]) -> str:
     """Says how many parts of studies their folders keep; "" for none."""
-    from dynabot_mj.study import execution
+    from dynabot_mj.study import campaign, dataset, execution
 
-    counts = [execution.kept(setup, folder / _CHUNKS) for setup, folder in studies]
+    counts = [execution.kept(dataset.chunks(campaign.single(setup)), folder / _CHUNKS) for setup, folder in studies]
     kept, whole = (sum(column) for column in zip(*counts, strict=True))
     return f"kept {kept} of {whole} parts" if kept else ""
 
@@ -195,6 +195,8 @@ def drafted(
 ) -> Iterator[Path]:
     """Yields a folder for further results beside what every study leaves behind, and keeps them all at once."""
     from dynabot_mj import study
+    from dynabot_mj.study import campaign
+    from dynabot_mj.study.dataset import chunks
     from dynabot_mj.study.execution import forget
 
     execution = {
@@ -210,7 +212,7 @@ def drafted(
         (draft / "study.toml").write_text(dataset.attrs["configuration"], encoding="utf-8")
         (draft / _EXECUTION).write_text(results.dump(execution), encoding="utf-8")
         yield draft
-    forget(setup, folder.path / _CHUNKS)
+    forget(chunks(campaign.single(setup)), folder.path / _CHUNKS)
 
 
 def _wall_s(folder: ResultFolder) -> float:

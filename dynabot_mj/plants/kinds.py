@@ -21,11 +21,14 @@ class PlantRecord:
     line: str | tuple[float, tuple[float, ...]]  # style of its lines, as Matplotlib takes it
     opacity: float  # of its bars
     work: tuple[float, float]  # rough seconds for a second of a trial: of the trial, and of each robot
+    chunk: int  # trials that are run at once: many, where that is cheaper
 
 
 KINDS: Mapping[str, PlantRecord] = {
-    "particle": PlantRecord(label="point masses", body=False, line=(0, (3.0, 1.4)), opacity=0.45, work=(2e-4, 0.0)),
-    "rigid": PlantRecord(label="rigid bodies", body=True, line="-", opacity=1.0, work=(0.0, 1.5e-3)),
+    "particle": PlantRecord(
+        label="point masses", body=False, line=(0, (3.0, 1.4)), opacity=0.45, work=(2e-4, 0.0), chunk=200
+    ),
+    "rigid": PlantRecord(label="rigid bodies", body=True, line="-", opacity=1.0, work=(0.0, 1.5e-3), chunk=50),
 }
 
 

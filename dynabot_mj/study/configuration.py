@@ -46,7 +46,7 @@ def load(text: str, origin: str, defaults: Mapping[str, Any] = _NONE, **options:
         >>> dy.parse_scenario("robots = 4", "my study", trials=20).trials
         20
     """
-    return build({**defaults, **_parsed(text, origin)}, origin, **options)
+    return build({**defaults, **parsed(text, origin)}, origin, **options)
 
 
 def load_file(
@@ -83,7 +83,7 @@ def read(path: Path | str) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not a text file"
         raise InputError(f"cannot read the configuration {path}: {reason}") from error
-    return _parsed(text, str(path))
+    return parsed(text, str(path))
 
 
 def build(
@@ -159,7 +159,12 @@ def _keys(tree: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
             yield from _keys(value, f"{prefix}{key}.")
 
 
-def _parsed(text: str, origin: str) -> dict[str, Any]:
+def parsed(text: str, origin: str) -> dict[str, Any]:
+    """Returns TOML as a tree of plain values.
+
+    Raises:
+        InputError: If it is none.
+    """
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -1,29 +1,29 @@
-"""How the work of a study is done: in chunks, on processes of this machine or on a cluster.
+"""How long work is done: in chunks, on processes of this machine or on a cluster, interrupted and resumed.
 
-A chunk is a range of trials of one case. Its result depends on the configuration and the trials' numbers alone, so
-neither the size of a study, nor the number of workers or threads, nor an interruption changes a single bit.
+A chunk is whatever can be computed by itself, such as a range of trials of one case. Its result depends on what its
+`origin` says alone, so neither the size of the work, nor the number of workers or threads, nor the order in which
+chunks finish, nor an interruption changes a single bit. Finished chunks are files of columns, see `chunk_files`.
 """
 
 import concurrent.futures
 import contextlib
 import functools
 import hashlib
-import pickle
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field, replace
+import json
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Protocol
 
 from dynabot_mj.common.arrays import Progress
+from dynabot_mj.common.columns import Columns
 from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.common.trees import flat
 from dynabot_mj.host import files, opengl, processes
-from dynabot_mj.plants.kinds import KINDS
-from dynabot_mj.study import configuration, provenance, scenario
-from dynabot_mj.study.assembly import simulate
-from dynabot_mj.study.scenario import Case, Scenario
-from dynabot_mj.trial.judge import Outcome
+from dynabot_mj.study import chunk_files, provenance
+from dynabot_mj.study.chunk_files import DamagedError
 
-CHUNK = 50  # trials
-RECORDED = 1  # trajectories kept of each case, from the study's first trial on
+_TOLD = 3  # differences that a message names
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,138 +51,209 @@ class Execution:
     resume: bool = False
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Chunk:
-    """A unit of work."""
-
-    setup: Scenario
-    case: Case
-    trials: range
-    recorded: int
-    threads: int
+class Chunk(Protocol):
+    """A unit of work, which can be sent to another process."""
 
     @property
-    def name(self) -> str:
-        """A file name that only the same work has: whatever changes the result changes the name."""
-        setup = configuration.dump(replace(self.setup, trials=1, first_trial=0))
-        content = (
-            setup,
-            provenance.inputs(self.setup),
-            provenance.versions(),
-            provenance.source_digest(),
-            asdict(self.case),
-        )
-        key = hashlib.sha256(repr((content, self.trials, self.recorded)).encode()).hexdigest()[:16]
-        return f"{self.case.label.replace('/', '-')}-{self.trials.start}-{key}.pickle"
+    def label(self) -> str:
+        """Whose part it is, such as a case."""
+        ...
+
+    @property
+    def start(self) -> int:
+        """Where in it: the number of the first trial."""
+        ...
 
     @property
     def weight(self) -> float:
         """Rough seconds of work, for the estimate of the remaining time and the order of the chunks."""
-        trial, robot = KINDS[self.case.plant].work
-        per_trial = trial + robot * self.setup.robots
-        events = 1e3 / scenario.periods(self.setup, self.case.estimator)[1]
-        if self.case.perception == "filter":
-            per_trial += 1e-5 * events * self.setup.robots
-        return scenario.duration(self.setup) * (len(self.trials) * per_trial + events * 3e-4)
+        ...
+
+    @property
+    def origin(self) -> Mapping[str, Any]:
+        """What the result depends on, as plain values: equal origins, equal results."""
+        ...
+
+    def run(self, threads: int, progress: Progress) -> Columns:
+        """Does it."""
+        ...
 
 
-@dataclass
-class _Tally:
-    """Share of the work that is done, from the shares of the chunks."""
+class Watch:
+    """Is told how the work goes, and does nothing about it."""
 
-    weights: list[float]
-    progress: Progress
-    shares: list[float] = field(init=False)
+    def begin(self, chunks: Sequence[Chunk], kept: Collection[int]) -> None:
+        """Takes what is to be done, and which of it is there from an earlier run."""
 
-    def __post_init__(self) -> None:
-        self.shares = [0.0] * len(self.weights)
+    def note(self, text: str) -> None:
+        """Takes what a user should know."""
 
-    def update(self, index: int, share: float) -> None:
-        self.shares[index] = share
-        done = sum(w * s for w, s in zip(self.weights, self.shares, strict=True))
-        self.progress(done / sum(self.weights))
+    def share(self, index: int, share: float) -> None:
+        """Takes how much of a chunk is done."""
+
+    def done(self, index: int, columns: Columns) -> None:
+        """Takes the result of a chunk; those that were kept come first."""
+
+
+class ShareWatch(Watch):
+    """Tells the share of all the work that is done."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._weights, self._shares = [0.0], [0.0]
+
+    def begin(self, chunks: Sequence[Chunk], kept: Collection[int]) -> None:
+        """Weighs the chunks."""
+        self._weights = [chunk.weight for chunk in chunks]
+        self._shares = [0.0] * len(chunks)
+
+    def share(self, index: int, share: float) -> None:
+        """Tells of a chunk that goes on."""
+        self._shares[index] = share
+        done = sum(w * s for w, s in zip(self._weights, self._shares, strict=True))
+        self._progress(done / sum(self._weights))
+
+    def done(self, index: int, columns: Columns) -> None:
+        """Tells of a chunk that is whole."""
+        self.share(index, 1.0)
+
+
+class Results:
+    """Of all chunks by their index: in memory, or, so that memory does not grow with the work, in files."""
+
+    def __init__(self, folder: Path | None, names: Sequence[str]) -> None:
+        self._folder, self._names = folder, names
+        self._here: dict[int, Columns] = {}
+
+    def __getitem__(self, index: int) -> Columns:
+        if self._folder is None:
+            return self._here[index]
+        return chunk_files.parse((self._folder / self._names[index]).read_bytes())[0]
+
+    def put(self, index: int, columns: Columns, origin: Mapping[str, Any]) -> None:
+        """Takes the result of a chunk."""
+        if self._folder is None:
+            self._here[index] = columns
+        else:
+            files.write(self._folder / self._names[index], chunk_files.content(columns, origin))
 
 
 class CancelledError(Exception):
-    """The study was interrupted while this chunk ran."""
+    """The work was interrupted while this chunk ran."""
 
 
-def execute(setup: Scenario, how: Execution, progress: Progress) -> dict[Case, list[Outcome]]:
-    """Runs all trials of all cases of a study.
+def execute(chunks: Sequence[Chunk], how: Execution, watch: Watch) -> Results:
+    """Does all chunks, or those of them that an earlier run has not left whole.
 
     Args:
-        setup: The study's configuration.
+        chunks: The work.
         how: How to execute it.
-        progress: Called now and then.
+        watch: Is told how it goes.
 
-    Returns:
-        The outcomes of each case's chunks, in the order of their trials.
+    Raises:
+        InputError: If there is nothing of this work to resume, or the cluster cannot do it.
     """
-    chunks = list(_chunks(setup, how.threads))
-    tally = _Tally([chunk.weight for chunk in chunks], progress)
-    outcomes: dict[int, Outcome] = {}
+    results = Results(how.chunks, _names(chunks) if how.chunks else ())
+    there: set[int] = set()
+    notes: list[str] = []
     if how.chunks is not None:
         how.chunks.mkdir(parents=True, exist_ok=True)
         files.sweep(how.chunks)
-        kept = {file.name for file in how.chunks.iterdir()}
-        if how.resume and kept and not kept & {chunk.name for chunk in chunks}:
-            raise InputError(f"{how.chunks} holds parts of another study (or of another version); run without --resume")
-        for index, chunk in enumerate(chunks):
-            file = how.chunks / chunk.name
-            if how.resume and file.is_file():
-                outcomes[index] = pickle.loads(file.read_bytes())
-                tally.update(index, 1.0)
-    todo = {index: chunk for index, chunk in enumerate(chunks) if index not in outcomes}
-    for index, outcome in _execute(todo, how, tally):
-        outcomes[index] = outcome
-        if how.chunks is not None:
-            files.write(how.chunks / chunks[index].name, pickle.dumps(outcome))
-        tally.update(index, 1.0)
-    by_case: dict[Case, list[Outcome]] = {case: [] for case in scenario.cases(setup)}
-    for index, chunk in enumerate(chunks):
-        by_case[chunk.case].append(outcomes[index])
-    return by_case
+        if how.resume:
+            there, notes = _whole(how.chunks, chunks)
+    watch.begin(chunks, there)
+    for note in notes:
+        watch.note(note)
+    for index in sorted(there):
+        watch.done(index, results[index])
+    todo = {index: chunk for index, chunk in enumerate(chunks) if index not in there}
+    for index, columns in _execute(todo, how, watch):
+        results.put(index, columns, chunks[index].origin)
+        watch.done(index, columns)
+    return results
 
 
-def forget(setup: Scenario, folder: Path) -> None:
-    """Deletes the finished chunks of a study, and the folder where it holds nothing else."""
-    for chunk in _chunks(setup, threads=1):
-        (folder / chunk.name).unlink(missing_ok=True)
+def forget(chunks: Sequence[Chunk], folder: Path) -> None:
+    """Deletes finished chunks, and the folder where it holds nothing else."""
+    for name in _names(chunks):
+        (folder / name).unlink(missing_ok=True)
     with contextlib.suppress(OSError):
         folder.rmdir()
 
 
-def kept(setup: Scenario, folder: Path) -> tuple[int, int]:
-    """Returns how many finished chunks of a study a folder keeps, and how many the study has."""
-    chunks = list(_chunks(setup, threads=1))
+def kept(chunks: Sequence[Chunk], folder: Path) -> tuple[int, int]:
+    """Returns how many of some chunks a folder keeps, and how many there are."""
     present = {file.name for file in folder.iterdir()} if folder.is_dir() else set()
-    return sum(chunk.name in present for chunk in chunks) if present else 0, len(chunks)
+    return sum(name in present for name in _names(chunks)) if present else 0, len(chunks)
 
 
-def _chunks(setup: Scenario, threads: int) -> Iterator[_Chunk]:
-    first, end = setup.first_trial, setup.first_trial + setup.trials
-    for case in scenario.cases(setup):
-        for start in range(first, end, CHUNK):
-            yield _Chunk(
-                setup=setup,
-                case=case,
-                trials=range(start, min(start + CHUNK, end)),
-                recorded=max(0, RECORDED - (start - first)),
-                threads=threads,
-            )
+def _names(chunks: Sequence[Chunk]) -> list[str]:
+    """Returns the names of chunks' files: whatever changes a result changes its name."""
+    found = []
+    for chunk in chunks:
+        key = hashlib.sha256(json.dumps(chunk.origin, sort_keys=True).encode()).hexdigest()[:16]
+        label = "".join(letter if letter.isalnum() or letter in "-_.=" else "-" for letter in chunk.label)
+        found.append(f"{label[:100]}-{chunk.start}-{key}{chunk_files.SUFFIX}")
+    return found
 
 
-def _execute(todo: Mapping[int, _Chunk], how: Execution, tally: _Tally) -> Iterator[tuple[int, Outcome]]:
-    """Yields the outcomes of the chunks as they finish."""
+def _whole(folder: Path, chunks: Sequence[Chunk]) -> tuple[set[int], list[str]]:
+    """Returns which chunks a folder has whole, and what is to be said of its other files.
+
+    Raises:
+        InputError: If it has parts of other work alone.
+    """
+    names = {name: index for index, name in enumerate(_names(chunks))}
+    whole, damaged, foreign = set(), [], []
+    for file in sorted(folder.glob(f"*{chunk_files.SUFFIX}")):
+        try:
+            _, origin = chunk_files.parse(file.read_bytes())
+        except DamagedError as error:
+            damaged.append(f"{file.name} is damaged ({error})")
+            continue
+        index = names.get(file.name)
+        if index is not None and origin == _plain(chunks[index].origin):
+            whole.add(index)
+        else:
+            nearest = chunks[index or 0].origin
+            foreign.append(f"{file.name} ({_differing(origin, _plain(nearest))})")
+    if foreign and not whole and not damaged:
+        raise InputError(
+            f"{folder} holds parts of another study (or of another version): {foreign[0]}; run without --resume"
+        )
+    notes = [f"{one}; it is computed again" for one in damaged]
+    if foreign:
+        more = f" and {len(foreign) - 1} more" if len(foreign) > 1 else ""
+        notes.append(f"not of this study and not used: {foreign[0]}{more}")
+    return whole, notes
+
+
+def _plain(origin: Mapping[str, Any]) -> Any:
+    return json.loads(json.dumps(origin))
+
+
+def _differing(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
+    """Says in what two origins differ."""
+    one, other = dict(flat(there)), dict(flat(here))
+    names = [name for name in {**one, **other} if one.get(name) != other.get(name)]
+    told = ", ".join(
+        f"{name} {one.get(name, 'nothing')} there and {other.get(name, 'nothing')} here" for name in names[:_TOLD]
+    )
+    return told + (f", and {len(names) - _TOLD} more" if len(names) > _TOLD else "")
+
+
+def _execute(todo: Mapping[int, Chunk], how: Execution, watch: Watch) -> Iterator[tuple[int, Columns]]:
+    """Yields the results of the chunks as they finish."""
     if how.scheduler is None and (how.workers == 1 or len(todo) <= 1):
         for index, chunk in todo.items():
-            yield index, _run_chunk(index, chunk, functools.partial(tally.update, index))
+            yield index, chunk.run(how.threads, functools.partial(watch.share, index))
         return
     reports, stop = processes.context.SimpleQueue(), processes.context.Event()
     with contextlib.ExitStack() as stack:
         executor: concurrent.futures.Executor
+        expected = None
         if how.scheduler is not None:
-            executor = _dask_executor(how.scheduler, stack)
+            executor, expected = stack.enter_context(_cluster(how.scheduler)), provenance.computation()
         else:
             executor = stack.enter_context(processes.pool(min(how.workers, len(todo)), reports, stop))
         # Long chunks first, so that no worker is left with one at the end.
@@ -190,12 +261,12 @@ def _execute(todo: Mapping[int, _Chunk], how: Execution, tally: _Tally) -> Itera
         with files.uninterrupted(), opengl.unasked():
             # Workers are started here and inherit that they ignore signals, which reach every process of a terminal or
             # of a batch job, and that they need no OpenGL.
-            waiting = {executor.submit(_run_chunk, index, todo[index]): index for index in order}
+            waiting = {executor.submit(_run, index, todo[index], how.threads, expected): index for index in order}
         try:
             while waiting:
                 done, _ = concurrent.futures.wait(waiting, 0.2, concurrent.futures.FIRST_COMPLETED)
                 while not reports.empty():
-                    tally.update(*reports.get())
+                    watch.share(*reports.get())
                 for future in done:
                     yield waiting.pop(future), future.result()
         except BaseException:
@@ -203,39 +274,50 @@ def _execute(todo: Mapping[int, _Chunk], how: Execution, tally: _Tally) -> Itera
             raise
 
 
-def _dask_executor(address: str, stack: contextlib.ExitStack) -> concurrent.futures.Executor:
-    """Returns an executor on the workers of a Dask cluster."""
+@contextlib.contextmanager
+def _cluster(address: str) -> Iterator[concurrent.futures.Executor]:
+    """Yields an executor on the workers of a Dask cluster, all of which compute as this process does.
+
+    Raises:
+        InputError: If there is no such cluster, it has no workers, or they would compute something else.
+    """
     try:
         import distributed
     except ImportError as error:
         raise InputError("--scheduler needs Dask: pip install 'dynabot-mj[cluster]'") from error
     try:
-        client = stack.enter_context(distributed.Client(address, timeout=10))
+        client = distributed.Client(address, timeout=10)
     except (OSError, ValueError) as error:
         raise InputError(f"no Dask scheduler answers at {address!r}") from error
-    executor: concurrent.futures.Executor = client.get_executor()
-    return executor
+    with client:
+        here = provenance.computation()
+        try:
+            found = client.run(provenance.computation)
+        except ImportError as error:
+            raise InputError(f"the Dask workers at {address!r} cannot import dynabot_mj: {error}") from error
+        if not found:
+            raise InputError(f"the Dask scheduler at {address!r} has no workers; start some: dask worker {address}")
+        for worker, there in found.items():
+            if there != here:
+                raise InputError(f"the Dask worker {worker} would compute otherwise: {_differing(there, here)}")
+        yield client.get_executor()
 
 
-def _run_chunk(index: int, chunk: _Chunk, progress: Progress | None = None) -> Outcome:
+def _run(index: int, chunk: Chunk, threads: int, expected: Mapping[str, str] | None) -> Columns:
+    """Does a chunk in a worker."""
     reported = 0.0
+    if expected is not None and (here := provenance.computation()) != expected:  # a worker that has joined since
+        raise InputError(f"a Dask worker would compute otherwise: {_differing(here, expected)}")
 
     def tell_parent(share: float) -> None:
         nonlocal reported
         if not (links := processes.links()):
             return
-        reports, stop = links  # where to report the progress, and whether the study was interrupted
+        reports, stop = links  # where to report the progress, and whether the work was interrupted
         if stop.is_set():
             raise CancelledError
         if share >= reported + 0.02:
             reported = share
             reports.put((index, share))
 
-    return simulate(
-        chunk.setup,
-        chunk.case,
-        chunk.trials,
-        recorded=chunk.recorded,
-        threads=chunk.threads,
-        progress=progress or tell_parent,
-    )
+    return chunk.run(threads, tell_parent)

@@ -1,6 +1,7 @@
 import json
+import shutil
 from dataclasses import fields, replace
-from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,8 @@ import xarray as xr
 from dynabot_mj import study
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.formation.scorer import Scores
-from dynabot_mj.study import configuration, execution, provenance, scenario
+from dynabot_mj.plants.kinds import KINDS
+from dynabot_mj.study import assembly, configuration, provenance, scenario
 
 
 def test_the_saved_configuration_repeats_the_study(dataset, saved):
@@ -55,13 +57,13 @@ def test_netcdf_round_trip(dataset, tmp_path):
 
 
 def test_a_diverged_trial_is_nan_and_counted(monkeypatch, short):
-    simulate = execution.simulate
+    simulate = assembly.simulate
 
     def diverging(*args, **options):
         outcome = simulate(*args, **options)
         return replace(outcome, diverged=np.arange(len(outcome.diverged)) == 0)
 
-    monkeypatch.setattr(execution, "simulate", diverging)
+    monkeypatch.setattr(assembly, "simulate", diverging)
     broken = study.run(replace(short, trials=2))
     assert broken.diverged.values.tolist() == [[1, 0], [1, 0]]
     for name in ("collision", "completion", "top_speed", "closest", "message_age", "final_position_w"):
@@ -87,7 +89,7 @@ def test_what_only_rigid_bodies_have_is_nan_for_particles(dataset):
 def test_friction_by_trial_is_repeatable_whatever_the_chunks(monkeypatch):
     setup = configuration.build({}, trials=3, duration=3.0, estimators=["gps"], plants=["rigid"], friction=[0.05, 0.9])
     whole = study.run(setup)
-    monkeypatch.setattr(execution, "CHUNK", 1)
+    monkeypatch.setitem(KINDS, "rigid", replace(KINDS["rigid"], chunk=1))
     xr.testing.assert_identical(study.run(setup), whole)
     # Other draws than one friction for all.
     same = study.run(replace(setup, vehicle=replace(setup.vehicle, friction="model")))
@@ -107,9 +109,6 @@ def test_a_study_of_an_older_version_is_read_and_judged_as_today(dataset, tmp_pa
 
 
 def test_what_cannot_be_written_is_an_error_and_no_crash(dataset, monkeypatch, tmp_path):
-    def full(self, content):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "write_bytes", full)
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=100_000))
     with pytest.raises(OSError, match="No space left"):
         study.save(dataset, tmp_path / "study.nc")
