@@ -25,6 +25,7 @@ from dynabot_mj.host import opengl
 # Their help, in its order: what their functions say, which are not imported to be listed.
 _COMMANDS = {
     "compare": "Every estimator on both plants, the paper's Table III beside them.",
+    "study": "Any grid of configurations: every case of it, measures over its factors, differences on the same trials.",
     "run": "One trial of one case.",
     "video": "One trial of one case as a video, drawn without a display.",
     "view": "One trial of one case, watched: in MuJoCo's window where there is a display, else in the browser.",

@@ -206,7 +206,9 @@ class Estimator:
 
     def _estimate(self) -> Estimate:
         beliefs = {
-            name: values.reshape(*self._shape, *values.shape[1:]) for name, values in self.filter.beliefs().items()
+            # Copies: a filter may go on with its arrays, what was believed stays.
+            name: values.reshape(*self._shape, *values.shape[1:]).copy()
+            for name, values in self.filter.beliefs().items()
         }
         return Estimate(
             **beliefs,

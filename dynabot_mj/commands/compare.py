@@ -50,16 +50,17 @@ def compare(options: argparse.Namespace) -> None:
         return
     from dynabot_mj.experiments.formation import compare as experiment
     from dynabot_mj.experiments.formation import compare_tables, in_loop
+    from dynabot_mj.study import campaign
 
-    setup = _setup(options)
-    with studies.opened(options, "compare", setup, _FILES) as folder:
+    made = campaign.single(_setup(options))
+    with studies.opened(options, "compare", made, _FILES) as folder:
         if studies.again(options, folder, "compare.json", "table.md"):
             return
-        study, wall_s = studies.obtain(setup, folder, options, "compare")
+        study, wall_s = studies.obtain(made, folder, options, "compare")
         comparison = experiment.compared(study)
         table, document = compare_tables.markdown(comparison), experiment.document(comparison)
         studies.note_late(comparison)
-        with studies.drafted(folder, setup, study, options, wall_s) as draft:
+        with studies.drafted(folder, made, study, options, wall_s) as draft:
             (draft / "table.md").write_text(table, encoding="utf-8")
             (draft / "compare.json").write_text(results.dump(document), encoding="utf-8")
             if (fitted := in_loop.fitted_toml(study)) is not None:
@@ -95,7 +96,7 @@ def _sensitivity(options: argparse.Namespace) -> None:
     from dynabot_mj.experiments.formation import sensitivity
     from dynabot_mj.figures import sensitivity as sensitivity_figure
     from dynabot_mj.figures import style
-    from dynabot_mj.study import configuration
+    from dynabot_mj.study import campaign, configuration
 
     setup = sensitivity.prepared(_setup(options))
 
@@ -103,10 +104,12 @@ def _sensitivity(options: argparse.Namespace) -> None:
         return folder / _READINGS / name.replace(" ", "-")
 
     def kept(folder: Path) -> str:
-        return studies.told_kept([(one.changed(setup), place(folder, one.name)) for one in sensitivity.readings(setup)])
+        return studies.told_kept(
+            [(campaign.single(one.changed(setup)), place(folder, one.name)) for one in sensitivity.readings(setup)]
+        )
 
     names = tuple(f"sensitivity.{suffix}" for suffix in ("json", "md", "png"))
-    with studies.opened(options, "sensitivity", setup, names, kept) as folder:
+    with studies.opened(options, "sensitivity", campaign.single(setup), names, kept) as folder:
         if options.resume and folder.whole:
             results.again(options, folder, "sensitivity")
             return
@@ -114,7 +117,7 @@ def _sensitivity(options: argparse.Namespace) -> None:
         def run(name: str, changed: Any) -> Any:
             parts = place(folder.path, name)
             parts.mkdir(parents=True, exist_ok=True)
-            return studies.run(changed, parts, options, name, notes=changed is setup)[0]
+            return studies.run(campaign.single(changed), parts, options, name, notes=changed is setup)[0]
 
         found = sensitivity.examine(setup, run)
         document, text = sensitivity.document(found), sensitivity.markdown(found)

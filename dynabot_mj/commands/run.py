@@ -19,10 +19,12 @@ def run(options: argparse.Namespace) -> None:
 
     from dynabot_mj.experiments.formation import case_rows, single_trial
     from dynabot_mj.figures import paths, style
+    from dynabot_mj.study import campaign
 
     setup = trials.chosen(options)
-    with studies.opened(options, "run", setup, _FILES, kept=lambda folder: "") as folder:
-        study, wall_s = studies.run(setup, None, options, "run")
+    made = campaign.single(setup)
+    with studies.opened(options, "run", made, _FILES, kept=lambda folder: "") as folder:
+        study, wall_s = studies.run(made, None, options, "run")
         case = study.isel(case=0)
         row = case_rows.document(case_rows.row(case))
         places = case.final_position_w.isel(trial=0).values
@@ -30,7 +32,7 @@ def run(options: argparse.Namespace) -> None:
         shown = ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places)
         text = single_trial.markdown(case) + f"\nfinal positions [m]: {shown}"
         figure = paths.trajectories(study, setup.estimators[0], str(case.perception.item()))
-        with studies.drafted(folder, setup, study, options, wall_s) as draft:
+        with studies.drafted(folder, made, study, options, wall_s) as draft:
             (draft / "run.json").write_text(results.dump(row), encoding="utf-8")
             (draft / "run.md").write_text(text, encoding="utf-8")
             style.save(figure, draft / "trajectories.png")

@@ -14,9 +14,11 @@ def add(commands: parsers.Commands) -> None:
 
 def schedule(options: argparse.Namespace) -> None:
     """Shortest periods that the processor can keep, Eqs. 1-3."""
+    from dynabot_mj.perception.methods import METHODS
     from dynabot_mj.testbed import schedule as eqs
 
-    rows = eqs.table(options.robots, options.utilisation)
+    times = {name: record.estimation_time for name, record in METHODS.items() if record.filter}
+    rows = eqs.table(options.robots, options.utilisation, times)
     for row in rows:
         studies.note_load(row.estimator, row.load, options.utilisation)
     keys = ("estimator", "t_se_ms", "period_exact_ms", "period_ms")

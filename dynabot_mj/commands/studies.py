@@ -4,6 +4,7 @@ import argparse
 import contextlib
 import json
 import shlex
+import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -12,6 +13,7 @@ from typing import Any
 
 from dynabot_mj.commands import parsers, results
 from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.host.files import PARTIAL
 from dynabot_mj.host.result_folder import ResultFolder
 
 _VEHICLE = ("model", "friction", "slope", "payload", "steering", "sensing", "gains")
@@ -41,6 +43,19 @@ def build(options: argparse.Namespace, defaults: Mapping[str, Any] = _NONE, **ot
     """
     from dynabot_mj.study import configuration
 
+    given, typed = overriding(options, **others)
+    if options.config:
+        setup = configuration.load_file(options.config, defaults, typed, **given)
+    else:
+        setup = configuration.build(defaults, typed=typed, **given)
+    look_for_idle(options, setup, typed)
+    return setup
+
+
+def overriding(options: argparse.Namespace, **others: Any) -> tuple[dict[str, Any], dict[str, str]]:
+    """Returns the keys that options override, and what was typed to set each, by the key with its table."""
+    from dynabot_mj.study import configuration
+
     given = {**{name: getattr(options, name, None) for name in SCIENCE}, **others}
     tables = configuration.TABLES
     single = {"estimators": "estimator", "plants": "plant"} if hasattr(options, "estimator") else {}
@@ -49,15 +64,10 @@ def build(options: argparse.Namespace, defaults: Mapping[str, Any] = _NONE, **ot
         for name, value in given.items()
         if value is not None
     }
-    if options.config:
-        setup = configuration.load_file(options.config, defaults, typed, **given)
-    else:
-        setup = configuration.build(defaults, typed=typed, **given)
-    _look_for_idle(options, setup, typed)
-    return setup
+    return given, typed
 
 
-def _look_for_idle(options: argparse.Namespace, setup: Any, typed: Mapping[str, str]) -> None:
+def look_for_idle(options: argparse.Namespace, setup: Any, typed: Mapping[str, str]) -> None:
     """Refuses options that do nothing in a study, and says which keys of its file do nothing."""
     from dynabot_mj.plants.kinds import any_bodies
     from dynabot_mj.study import idle_keys
@@ -77,7 +87,7 @@ def _look_for_idle(options: argparse.Namespace, setup: Any, typed: Mapping[str, 
 
 @contextlib.contextmanager
 def opened(
-    options: argparse.Namespace, name: str, setup: Any, names: Sequence[str], kept: Callable[[Path], str] | None = None
+    options: argparse.Namespace, name: str, made: Any, names: Sequence[str], kept: Callable[[Path], str] | None = None
 ) -> Iterator[ResultFolder]:
     """Opens the folder of a study's results; says which parts are there to resume, and which an early end leaves.
 
@@ -86,14 +96,15 @@ def opened(
     Args:
         options: The command's.
         name: Of the command.
-        setup: The study's configuration.
+        made: The campaign.
         names: Patterns of the files that will be written beside those of every study.
         kept: Says which parts a folder keeps, where the study has parts of its own.
     """
     from dynabot_mj.study import provenance
 
-    told = kept or (lambda folder: told_kept([(setup, folder)]))
-    with results.opened(options, name, provenance.depends_on(setup), (*_FILES, *names), told) as folder:
+    told = kept or (lambda folder: told_kept([(made, folder)]))
+    depends_on = provenance.depends_on(made.first) | made.grid_values
+    with results.opened(options, name, depends_on, (*_FILES, *names), told) as folder:
         if options.resume and (found := told(folder.path)):
             print(f"note: {found}", file=sys.stderr)
         try:
@@ -127,11 +138,11 @@ def show(options: argparse.Namespace, folder: ResultFolder, document: Any, text:
     results.show(options, {**document, "wall_s": round(wall_s, 3)}, f"{text}\n{wall_s:.0f} s; results in {folder.path}")
 
 
-def obtain(setup: Any, folder: ResultFolder, options: argparse.Namespace, title: str) -> tuple[Any, float]:
+def obtain(made: Any, folder: ResultFolder, options: argparse.Namespace, title: str) -> tuple[Any, float]:
     """Runs a study, or reads it where `--resume` finds it finished.
 
     Args:
-        setup: Its configuration.
+        made: Its campaign.
         folder: Of `opened`.
         options: How it is executed.
         title: Of the progress.
@@ -143,17 +154,18 @@ def obtain(setup: Any, folder: ResultFolder, options: argparse.Namespace, title:
 
     if options.resume and folder.same and (folder.path / _STUDY).is_file():
         return study.load(folder.path / _STUDY), _wall_s(folder)  # another of its files is missing
-    return run(setup, folder.path, options, title)
+    return run(made, folder.path, options, title)
 
 
 def run(
-    setup: Any, folder: Path | None, options: argparse.Namespace, title: str, *, notes: bool = True
+    made: Any, folder: Path | None, options: argparse.Namespace, title: str, *, notes: bool = True
 ) -> tuple[Any, float]:
     """Runs a study with progress; its finished chunks outlive an interruption.
 
     Args:
-        setup: Its configuration.
-        folder: Which the chunks are kept in until it is complete; None: nowhere.
+        made: Its campaign.
+        folder: Which the chunks are kept in until it is complete, and the Dataset, which is read from there as it is
+            asked for; None: all of it in memory.
         options: How it is executed.
         title: Of the progress.
         notes: Whether to say what rounding does to the load.
@@ -161,13 +173,12 @@ def run(
     Returns:
         The Dataset and the time that it took [s].
     """
-    from dynabot_mj import study
-    from dynabot_mj.host import progress
-    from dynabot_mj.study import execution, scenario
+    from dynabot_mj.commands import watching
+    from dynabot_mj.study import dataset, execution
 
     start = time.monotonic()
-    for estimator, load in scenario.loads(setup).items() if notes else ():
-        note_load(estimator, load, setup.processor.utilisation)
+    if notes:
+        _note_loads(made)
     how = execution.Execution(
         workers=options.workers,
         threads=options.threads,
@@ -175,27 +186,30 @@ def run(
         chunks=folder / _CHUNKS if folder else None,
         resume=options.resume,
     )
-    with progress.shown(title) as tell:
-        dataset = study.run(setup, how, tell)
-    return dataset, time.monotonic() - start
+    with watching.shown(title) as watch:
+        found = execution.execute(dataset.chunks(made), how, watch)
+    if how.chunks is None:
+        return dataset.whole(made, found), time.monotonic() - start
+    whole = how.chunks / f"{PARTIAL}{_STUDY}"
+    dataset.write(made, found, whole)
+    return dataset.opened(whole), time.monotonic() - start
 
 
 def told_kept(studies: Sequence[tuple[Any, Path]]) -> str:
     """Says how many parts of studies their folders keep; "" for none."""
-    from dynabot_mj.study import campaign, dataset, execution
+    from dynabot_mj.study import dataset, execution
 
-    counts = [execution.kept(dataset.chunks(campaign.single(setup)), folder / _CHUNKS) for setup, folder in studies]
+    counts = [execution.kept(dataset.chunks(made), folder / _CHUNKS) for made, folder in studies]
     kept, whole = (sum(column) for column in zip(*counts, strict=True))
     return f"kept {kept} of {whole} parts" if kept else ""
 
 
 @contextlib.contextmanager
 def drafted(
-    folder: ResultFolder, setup: Any, dataset: Any, options: argparse.Namespace, wall_s: float
+    folder: ResultFolder, made: Any, dataset: Any, options: argparse.Namespace, wall_s: float
 ) -> Iterator[Path]:
     """Yields a folder for further results beside what every study leaves behind, and keeps them all at once."""
     from dynabot_mj import study
-    from dynabot_mj.study import campaign
     from dynabot_mj.study.dataset import chunks
     from dynabot_mj.study.execution import forget
 
@@ -208,17 +222,34 @@ def drafted(
         "cores": parsers.cores(),
     }
     with folder.drafted() as draft:
-        study.save(dataset, draft / _STUDY)
-        (draft / "study.toml").write_text(dataset.attrs["configuration"], encoding="utf-8")
+        if source := dataset.encoding.get("source"):
+            shutil.copyfile(source, draft / _STUDY)  # figures still read it
+        else:
+            study.save(dataset, draft / _STUDY)
+        (draft / "study.toml").write_text(made.text, encoding="utf-8")
         (draft / _EXECUTION).write_text(results.dump(execution), encoding="utf-8")
         yield draft
-    forget(chunks(campaign.single(setup)), folder.path / _CHUNKS)
+    dataset.close()
+    (folder.path / _CHUNKS / f"{PARTIAL}{_STUDY}").unlink(missing_ok=True)
+    forget(chunks(made), folder.path / _CHUNKS)
 
 
 def _wall_s(folder: ResultFolder) -> float:
     """Returns how long the finished study took [s]."""
     execution = json.loads((folder.path / _EXECUTION).read_text(encoding="utf-8"))
     return float(execution["wall_s"])
+
+
+def _note_loads(made: Any) -> None:
+    """Says of each estimator, once, that its periods overload the processor."""
+    from dynabot_mj.study import scenario
+
+    told = set()
+    for point in made.points:
+        for estimator, load in scenario.loads(point.setup).items():
+            if estimator not in told:
+                told.add(estimator)
+                note_load(estimator, load, point.setup.processor.utilisation)
 
 
 def note_late(comparison: Any) -> None:

@@ -60,6 +60,11 @@ def twin(name: str, parameters: Parameters = DEFAULT) -> Any:
     return _class(METHODS[name].twin)(parameters)
 
 
+def has_twin(name: str) -> bool:
+    """Tells whether a method has a filter on FilterPy beside its own."""
+    return name in METHODS and METHODS[name].twin is not None
+
+
 def source(name: str, own: str) -> Path | None:
     """Returns the file of a filter of the user's; None where there is no file.
 

@@ -89,13 +89,13 @@ class CheckedFilter:
         if given != set(_BELIEFS):
             told = ", ".join(sorted(map(str, given))) or "no dict"
             raise InputError(f"{self._what}.beliefs returned {told}; it must be a dict of {', '.join(_BELIEFS)}")
-        copies = {}  # a filter goes on with its arrays; what was believed stays
+        checked = {}
         for name, tail in _BELIEFS.items():
-            values = self._shaped("beliefs", name, found[name], (self._count, *tail)).astype(float)
+            values = self._shaped("beliefs", name, found[name], (self._count, *tail)).astype(float, copy=False)
             if not np.isfinite(values[self._begun]).all():
                 raise InputError(f"{self._what}.beliefs returned a {name} that is not finite, where sound() is true")
-            copies[name] = values
-        return copies
+            checked[name] = values
+        return checked
 
     def _call(self, name: str, *arguments: Any) -> Any:
         with user_code.called(f"{self._what}.{name} failed"):

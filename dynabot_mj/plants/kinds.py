@@ -10,6 +10,7 @@ from typing import Literal, get_args
 
 PlantName = Literal["particle", "rigid"]
 PLANTS: tuple[PlantName, ...] = get_args(PlantName)
+COMPARED: tuple[PlantName, ...] = ("particle", "rigid")  # by studies, unless told otherwise
 
 
 @dataclass(frozen=True, kw_only=True)

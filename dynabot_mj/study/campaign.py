@@ -7,6 +7,7 @@ the cases, `execution` does them.
 import functools
 import itertools
 import json
+import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -67,6 +68,11 @@ class Campaign:
     def text(self) -> str:
         """The campaign as TOML, which `parse` reads."""
         return f"{configuration.dump(self.first)}\n{self.grid}" if self.grid else configuration.dump(self.first)
+
+    @property
+    def grid_values(self) -> dict[str, Any]:
+        """The grid as plain values, for what results depend on."""
+        return tomllib.loads(self.grid)
 
     @functools.cached_property
     def names(self) -> dict[str, str]:

@@ -9,12 +9,12 @@ from dynabot_mj.common.exceptions import InputError, suggestion
 from dynabot_mj.common.validation import UNITS
 from dynabot_mj.controllers.potential_field import polygon_circumradius
 from dynabot_mj.formation import laws
+from dynabot_mj.perception import estimators
 from dynabot_mj.perception import options as perception_options
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.kinds import KINDS, any_bodies
 from dynabot_mj.sensing import options as sensing_options
 from dynabot_mj.study import assembly, fleet, methods, scenario
-from dynabot_mj.study.methods import BUILT_IN
 from dynabot_mj.study.scenario import Scenario
 
 # Rise per metre up to which rigid robots with real accelerometers keep to their forces; they ran away from 0.053 on.
@@ -111,9 +111,7 @@ def _check_vehicle(setup: Scenario) -> None:
         low, high = setup.vehicle.friction
         raise InputError(f"vehicle.friction = {low:g}..{high:g} given, the first must not be above the second")
     if setup.vehicle.slope != 0.0 and not any_bodies(setup.plants):
-        raise InputError(
-            f"vehicle.slope = {setup.vehicle.slope:g} given with the plant particle alone, which knows no ground"
-        )
+        raise InputError(f"vehicle.slope = {setup.vehicle.slope:g} given with point masses alone, which know no ground")
     fleet.local_laws(setup)
     vehicle = scene.read_robot(fleet.conditions(setup)).vehicle
     # The same mass, so that the body is all that differs.
@@ -152,12 +150,14 @@ def _sizes(name: str, default: Any) -> tuple[float, float]:
 def _check_perception(setup: Scenario) -> None:
     """Checks velocity sources, filters and sensors; see `check`."""
     if setup.velocity in ("odometry", "reference") and not all(KINDS[name].body for name in setup.plants):
-        raise InputError(f"velocity = {setup.velocity!r} given with the plant particle; it exists on rigid robots only")
-    own = [name for name in setup.estimators if name not in BUILT_IN]
-    if own and "fitted" in setup.perception:
-        raise InputError(f"perception = 'fitted' given with {own[0]}, whose errors nobody has fitted")
-    if own and "filter" in setup.perception and setup.filter.implementation == "filterpy":
-        raise InputError(f"filter.implementation = 'filterpy' given with {own[0]}, which is not on FilterPy")
+        raise InputError(f"velocity = {setup.velocity!r} given with point masses; it exists on bodies only")
+    errs = [name for name in setup.estimators if name != "perfect"]
+    unfitted = [name for name in errs if not hasattr(setup.fitted, name)]
+    if unfitted and "fitted" in setup.perception:
+        raise InputError(f"perception = 'fitted' given with {unfitted[0]}, whose errors nobody has fitted")
+    single = [name for name in errs if not estimators.has_twin(name)]
+    if single and "filter" in setup.perception and setup.filter.implementation == "filterpy":
+        raise InputError(f"filter.implementation = 'filterpy' given with {single[0]}, which is not on FilterPy")
     if setup.filter.implementation == "filterpy" and "filter" in setup.perception and setup.trials > 1:
         raise InputError(
             f"filter.implementation = 'filterpy' given with {setup.trials} trials; it filters one robot at a time and "

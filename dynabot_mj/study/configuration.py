@@ -17,6 +17,7 @@ from dynabot_mj.common.exceptions import InputError, one_line
 from dynabot_mj.common.validation import UNITS
 from dynabot_mj.plants.options import VehicleOptions
 from dynabot_mj.study import checks, methods
+from dynabot_mj.study.methods import BUILT_IN
 from dynabot_mj.study.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -120,7 +121,9 @@ def build(
         # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
         setup = TypeAdapter(Scenario).validate_json(json.dumps(merged, default=str))
     except ValidationError as error:
-        told = one_line(error, _keys(asdict(Scenario())), typed, UNITS)
+        own = given if isinstance(given := merged.get("method"), Mapping) else {}
+        tree = asdict(Scenario(method={**BUILT_IN, **dict.fromkeys(own, BUILT_IN["decoupled"])}))
+        told = one_line(error, _keys(tree), typed, UNITS)
         raise InputError(told if told.startswith("--") else f"{origin}: {told}") from error
     try:
         checks.check(setup)

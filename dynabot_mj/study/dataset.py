@@ -138,15 +138,15 @@ def load(path: Path | str) -> xr.Dataset:
     return _read(Path(path))
 
 
+def opened(path: Path) -> xr.Dataset:
+    """Opens a Dataset whose values are read when they are asked for, and not kept."""
+    return _indexed(xr.open_dataset(path, engine="h5netcdf", cache=False))
+
+
 def _read(source: Path | io.BytesIO) -> xr.Dataset:
     with xr.open_dataset(source, engine="h5netcdf") as dataset:
         study = dataset.load()
-    if "grid" in study.attrs:
-        names = [
-            str(name) for name, one in study.coords.items() if one.dims == ("case",) and name not in study.xindexes
-        ]
-        for name in names:
-            study = study.set_xindex(name)
+    study = _indexed(study)
     if "contact" not in study.variables and {"completion_common", "collision_footprint"} <= set(study.variables):
         common = study.completion_common
         study["completion_common"] = common.where(common.isnull() | (study.collision_footprint != 1.0), 0.0)
@@ -157,6 +157,16 @@ def missing(study: xr.Dataset) -> list[str]:
     """Returns which of the variables that every version writes a Dataset lacks."""
     expected = ("diverged", *(name for name in _VARIABLES if name not in _LATER), "error_lag")
     return [name for name in expected if name not in study.variables]
+
+
+def _indexed(study: xr.Dataset) -> xr.Dataset:
+    """Lets cases of a campaign be selected by what they differ in, as in `study.sel(robots=5)`."""
+    if "grid" not in study.attrs:
+        return study
+    for name in [str(one) for one, array in study.coords.items() if array.dims == ("case",)]:
+        if name not in study.xindexes:
+            study = study.set_xindex(name)
+    return study
 
 
 @dataclass(frozen=True)

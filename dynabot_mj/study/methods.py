@@ -36,6 +36,8 @@ def _built_in(name: str) -> Method:
     return Method(**{**shared, "sample_period": record.sample_period or "auto", "filter": None})
 
 
+# Of the paper: what studies compare unless told otherwise.
+PUBLISHED = tuple(name for name, record in METHODS.items() if record.row)
 BUILT_IN: Mapping[str, Method] = {name: _built_in(name) for name in METHODS}
 
 

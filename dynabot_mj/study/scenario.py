@@ -16,17 +16,17 @@ from dynabot_mj.common.validation import STRICT, Positive
 from dynabot_mj.formation import laws
 from dynabot_mj.formation.options import CompletionOptions, FieldOptions, StartOptions
 from dynabot_mj.perception.options import FilterOptions, FittedOptions, SurrogateOptions
-from dynabot_mj.plants.kinds import PLANTS, PlantName
+from dynabot_mj.plants.kinds import COMPARED, PlantName
 from dynabot_mj.plants.options import VehicleOptions
 from dynabot_mj.sensing.options import SensorOptions
-from dynabot_mj.study.methods import BUILT_IN, Method
+from dynabot_mj.study.methods import BUILT_IN, PUBLISHED, Method
 from dynabot_mj.testbed import paper, schedule
 from dynabot_mj.testbed.options import ProcessorOptions, RadioOptions
 
 PerceptionName = Literal["gauss-markov", "filter", "fitted"]
 VelocityName = Literal["auto", "estimate", "truth", "odometry", "reference"]
 
-ESTIMATORS = tuple(BUILT_IN)
+ESTIMATORS = PUBLISHED
 PERCEPTIONS: tuple[PerceptionName, ...] = get_args(PerceptionName)
 VELOCITIES: tuple[VelocityName, ...] = get_args(VelocityName)
 
@@ -76,7 +76,7 @@ class Scenario:
     robots: Annotated[int, Field(ge=2, le=paper.FLEET_SIZE)] = paper.ROBOTS
     # [s]; auto: `DURATIONS`
     duration: Annotated[float, Field(gt=0.0, le=10_000.0, allow_inf_nan=False)] | Literal["auto"] = "auto"
-    plants: Annotated[tuple[PlantName, ...], Field(min_length=1)] = PLANTS
+    plants: Annotated[tuple[PlantName, ...], Field(min_length=1)] = COMPARED
     estimators: Annotated[tuple[str, ...], Field(min_length=1)] = ESTIMATORS  # names of methods
     perception: Annotated[tuple[PerceptionName, ...], Field(min_length=1)] = ("gauss-markov",)
     # Of the dissipation. auto: the true one for perfect and gauss-markov, else the estimated one, on both plants alike.

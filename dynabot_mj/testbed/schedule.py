@@ -9,6 +9,7 @@ as the authors must have done: their 27 and 36 ms load the processor 1.0015 and 
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from dynabot_mj.common.exceptions import InfeasibleScheduleError, InputError
@@ -127,12 +128,15 @@ class ScheduleRow:
     load: float  # of the processor at the rounded period, Eq. 2
 
 
-def table(robots: int, utilisation_bound: float = 1.0) -> list[ScheduleRow]:
-    """Returns the shortest common periods of all estimators of Table II.
+def table(
+    robots: int, utilisation_bound: float = 1.0, estimation_times: Mapping[str, float] | None = None
+) -> list[ScheduleRow]:
+    """Returns the shortest common periods of estimators.
 
     Args:
         robots: Number of robots n, 2 to 7.
         utilisation_bound: U, 0 < U <= 1.
+        estimation_times: t_se of each [s]; None: those of Table II.
 
     Raises:
         InputError: If n or U is outside its range.
@@ -143,17 +147,18 @@ def table(robots: int, utilisation_bound: float = 1.0) -> list[ScheduleRow]:
         [('gps', 27.0), ('decoupled', 36.0), ('coupled', 156.0)]
     """
     rows = []
-    for estimator, figures in TABLE_II.items():
-        exact = period(robots, figures.estimation_time, utilisation_bound)
+    times = estimation_times or {name: figures.estimation_time for name, figures in TABLE_II.items()}
+    for estimator, estimation_time in times.items():
+        exact = period(robots, estimation_time, utilisation_bound)
         kept = rounded(exact)
         rows.append(
             ScheduleRow(
                 estimator=estimator,
                 # Behind the ninth digit there is floating-point noise.
-                t_se_ms=round(1e3 * figures.estimation_time, 9),
+                t_se_ms=round(1e3 * estimation_time, 9),
                 period_exact_ms=1e3 * exact,
                 period_ms=round(1e3 * kept, 9),
-                load=utilisation(robots, figures.estimation_time, kept, kept),
+                load=utilisation(robots, estimation_time, kept, kept),
             )
         )
     return rows

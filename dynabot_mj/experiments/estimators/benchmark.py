@@ -190,7 +190,7 @@ def markdown(report: FilterReport) -> str:
 def _row(name: str, robots: int, repetitions: int, own: Method | None) -> FilterRow:
     imu, fix, everybody = _imu((robots,)), _fix((robots,)), np.ones(robots, dtype=bool)
     none = GpsFix(received=~everybody, position_w=fix.position_w, velocity_w=fix.velocity_w, age=fix.age)
-    path = None if own is None else own.filter
+    path, twin = (None, METHODS[name].twin) if own is None else (own.filter, None)
     batched = estimators.build(name, (robots,), own=path).filter
     batched.begin(_ALL, fix, imu.magnetic_heading)
     estimator: Estimator = estimators.build(name, (robots,), own=path)
@@ -206,13 +206,13 @@ def _row(name: str, robots: int, repetitions: int, own: Method | None) -> Filter
         batched_fix,
         lambda: estimator.step(imu, none, everybody),
         lambda: estimator.step(imu, fix, everybody),
-        *(_twin_steps(name) if own is None else ()),
+        *(_twin_steps(name) if twin else ()),
     ]
     spent = np.array([[_time(task) for task in tasks] for _ in range(repetitions + 1)])[1:]  # the first warms up
     spent[:, :4] /= robots
     median = [*np.median(spent, axis=0).tolist(), None, None][:6]
-    ratio = [None, None] if own is not None else np.median(spent[:, 4:] / spent[:, :2], axis=0).tolist()
-    counts = (None, None) if own is not None else operations(name)
+    ratio = [None, None] if not twin else np.median(spent[:, 4:] / spent[:, :2], axis=0).tolist()
+    counts = operations(name) if twin else (None, None)
     t_se = METHODS[name].estimation_time if own is None else own.estimation_time
     return FilterRow(
         estimator=name,

@@ -124,7 +124,7 @@ def tests(comparison: Comparison) -> list[Table]:
 
 _TITLES: dict[Factor, str] = {
     "estimator": "Between estimators, on the same trials",
-    "plant": "Particle minus rigid body, on the same trials",
+    "plant": "Between plants, on the same trials",
     "perception": "Between perceptions, on the same trials",
 }
 

@@ -21,6 +21,7 @@ from dynabot_mj.experiments.formation.measure import FACTORS, Factor, PairedMeas
 from dynabot_mj.experiments.formation.measures import PAIRED, TESTED
 from dynabot_mj.plants.kinds import KINDS
 
+_UNDEFINED = Difference(difference=None, low=None, high=None, n=0, p=None)
 _EQUIVALENCE_CONFIDENCE = 0.90  # of two one-sided tests at 5 %
 _FEWEST_EQUIVALENT = 10  # pairs, below which nothing is told equivalent
 
@@ -37,7 +38,7 @@ def margins(horizon: float) -> dict[str, float]:
 class Paired(Difference):
     """Mean difference a - b of a measure over the trials where both cases have a value."""
 
-    factor: Factor  # what the cases differ in
+    factor: str  # what the cases differ in
     a: str
     b: str
     metric: str
@@ -90,11 +91,32 @@ def paired(study: xr.Dataset) -> list[Paired]:
     return found
 
 
+def two_cases(one: xr.Dataset, other: xr.Dataset, a: str, b: str, factor: str) -> list[Paired]:
+    """Compares any two cases by the measures that may be concluded from, without adjustment for several tests.
+
+    Args:
+        one: A case.
+        other: Another, of the same trials.
+        a: What the first is called.
+        b: What the other is called.
+        factor: What they differ in.
+    """
+    found = []
+    for measure in TESTED:
+        known = factor not in FACTORS or factor in measure.factors
+        if measure.censored and one.attrs["duration"] != other.attrs["duration"]:
+            known = False
+        difference = _difference(measure, one, other) if known else _UNDEFINED
+        found.append(Paired(factor=factor, a=a, b=b, metric=measure.name, **vars(difference), p_holm=None))
+    return found
+
+
 def interactions(study: xr.Dataset) -> list[Interaction]:
     """Tells for each estimator whether the body's effect differs between two perceptions."""
     seed, found = int(study.attrs["seed"]), []
     for (one, other), (third, fourth) in itertools.combinations(_pairs(study, "plant"), 2):
-        if one.estimator != third.estimator:
+        plants = [[str(case.plant.item()) for case in pair] for pair in ((one, other), (third, fourth))]
+        if one.estimator != third.estimator or one.perception == third.perception or plants[0] != plants[1]:
             continue
         for measure in TESTED:
             first, second = (measure.values(a) - measure.values(b) for a, b in ((one, other), (third, fourth)))
@@ -161,7 +183,7 @@ def _pairs(study: xr.Dataset, factor: Factor) -> Iterator[tuple[xr.Dataset, xr.D
 def _compared(measure: PairedMeasure[Any], factor: Factor, one: xr.Dataset, other: xr.Dataset) -> Difference:
     """Compares two cases by a measure, as far as it may be."""
     if factor not in measure.factors:
-        return Difference(difference=None, low=None, high=None, n=0, p=None)
+        return _UNDEFINED
     difference = _difference(measure, one, other)
     return difference if measure.tested else replace(difference, p=None)
 

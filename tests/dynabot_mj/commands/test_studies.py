@@ -8,15 +8,16 @@ import pytest
 from dynabot_mj import study
 from dynabot_mj.commands import parsers, studies
 from dynabot_mj.common.exceptions import InputError
-from dynabot_mj.study import execution
+from dynabot_mj.plants import kinds
+from dynabot_mj.study import campaign
 from dynabot_mj.study.execution import Execution
 
 
 def test_ctrl_c_keeps_finished_parts_and_resume_continues(main, started, polled, tmp_path):
-    options = ["--trials", "300", "--duration", "40", "--plants", "particle", "--estimators", "decoupled"]
+    options = ["--trials", "1000", "--duration", "40", "--plants", "particle", "--estimators", "decoupled"]
     options += ["--out", str(tmp_path)]
     process = started("compare", *options, "--workers", "2")
-    assert polled(lambda: list(tmp_path.glob(".chunks/*.pickle")))
+    assert polled(lambda: list(tmp_path.glob(".chunks/*.npz")))
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=240)
     assert process.returncode == 130
@@ -25,11 +26,11 @@ def test_ctrl_c_keeps_finished_parts_and_resume_continues(main, started, polled,
     assert out == ""
     assert [path.name for path in tmp_path.iterdir()] == [".chunks"]
     assert not [path for path in tmp_path.rglob("*") if "partial" in path.name]
-    kept = len(list(tmp_path.glob(".chunks/*.pickle")))
-    assert err.splitlines()[-1] == f"dynabot: interrupted; kept {kept} of 6 parts, --resume continues from them"
+    kept = len(list(tmp_path.glob(".chunks/*.npz")))
+    assert err.splitlines()[-1] == f"dynabot: interrupted; kept {kept} of 5 parts, --resume continues from them"
     resumed = main("compare", *options, "--resume")
     assert resumed.returncode == 0
-    assert resumed.stderr.startswith(f"note: kept {kept} of 6 parts")
+    assert resumed.stderr.startswith(f"note: kept {kept} of 5 parts")
     assert not (tmp_path / ".chunks").exists()
 
 
@@ -55,9 +56,10 @@ def test_options_that_do_nothing_are_refused_and_keys_of_a_file_are_told(tmp_pat
 
 
 def test_parts_that_are_kept_are_counted_over_all_studies(short, tmp_path, monkeypatch):
-    monkeypatch.setattr(execution, "CHUNK", 2)
+    for name, kind in kinds.KINDS.items():
+        monkeypatch.setitem(kinds.KINDS, name, replace(kind, chunk=2))
     brief = replace(short, duration=1.0)
-    told = [(brief, tmp_path / name) for name in "ab"]
+    told = [(campaign.single(brief), tmp_path / name) for name in "ab"]
     assert studies.told_kept(told) == ""
 
     def interrupt(share):
@@ -66,7 +68,7 @@ def test_parts_that_are_kept_are_counted_over_all_studies(short, tmp_path, monke
 
     with pytest.raises(KeyboardInterrupt):
         study.run(brief, Execution(chunks=tmp_path / "a" / ".chunks"), interrupt)
-    kept = len(list(tmp_path.glob("a/.chunks/*.pickle")))
+    kept = len(list(tmp_path.glob("a/.chunks/*.npz")))
     assert kept > 0
     # Two cases of three trials, two at a time, are four parts, in each of the studies.
     assert studies.told_kept(told) == f"kept {kept} of 8 parts"

@@ -9,7 +9,7 @@ from dynabot_mj.testbed import paper
 
 def test_a_colour_means_one_robot_one_method_or_one_perception():
     colours = [*legend.ROBOT_COLOURS, *map(methods.colour, METHODS), *legend.PERCEPTION_COLOURS.values()]
-    assert len(set(colours)) == len(colours) == 7 + 4 + 3
+    assert len(set(colours)) == len(colours)
 
 
 def test_those_of_the_users_have_colours_that_are_no_built_in_methods():
@@ -26,7 +26,7 @@ def test_a_method_is_named_with_its_perception_where_one_is_given():
 
 
 def test_the_papers_methods_have_the_papers_numbers():
-    assert list(METHODS) == list(paper.TABLE_III)
+    assert [name for name, record in METHODS.items() if record.row] == list(paper.TABLE_III)
     for name, figures in paper.TABLE_II.items():
         record, row = METHODS[name], paper.TABLE_III[name]
         assert (record.uncertainty, record.estimation_time) == (figures.uncertainty, figures.estimation_time)

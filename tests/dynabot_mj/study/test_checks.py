@@ -15,7 +15,7 @@ from dynabot_mj.study import configuration
         ("[start]\ndistance = 100.0", "field.leader_range = 60 m given; it must reach the start"),
         ("[start]\nspacing = 0.1", "start.spacing = 0.1 m given"),
         ("[start]\nspacing = 0.7", "beyond the diagonal of a robot's footprint, 0.728 m"),
-        ('plants = ["particle"]\n[vehicle]\nslope = 0.1', "with the plant particle alone, which knows no ground"),
+        ('plants = ["particle"]\n[vehicle]\nslope = 0.1', "with point masses alone, which know no ground"),
         (
             "[method.decoupled]\ncontrol_period = 36.0",
             "method.decoupled.control_period = 36 given, it must be at most 2",
@@ -33,7 +33,7 @@ from dynabot_mj.study import configuration
         ("[vehicle]\ngains = 'absent'", "gains 'absent' given, it must be a gain file or one of: first, "),
         ("plants = ['particle']\n[vehicle]\ngains = 'absent'", "gains 'absent' given, it must be a gain file or"),
         ("[vehicle]\nmodel = 'absent.xml'", "absent.xml"),
-        ("velocity = 'odometry'", "velocity = 'odometry' given with the plant particle"),
+        ("velocity = 'odometry'", "velocity = 'odometry' given with point masses"),
         ("perception = ['filter']\n[filter]\nimplementation = 'filterpy'", "'filterpy' given with 100 trials"),
         (
             "perception = ['filter']\n[vehicle]\nslope = 0.1",
