@@ -23,6 +23,7 @@ from dynabot_mj.experiments.formation.measures import PAIRED
 FEWEST = 10  # pairs of a pilot
 HIGHEST = 0.99  # power, beyond which simulation tells nothing
 _SIMULATED, _EXACT = 13, 50  # numbers of trials whose power is told
+_STUDIES = 2_000  # that they are simulated by
 _ROUNDING = 1e-9
 
 Origin = Literal["given", "pilot", "low", "high"]
@@ -168,16 +169,19 @@ class _Law:
         numbers = np.linspace(max(2, middle // 4), min(power_laws.MOST, 2 * middle + 2), points)
         found = []
         for pairs in sorted({*map(int, numbers.round()), middle}):
-            power = self._power(need.difference, pairs)
+            if pairs == need.pairs and need.power is not None:
+                power = need.power
+            else:
+                power = self._power(need.difference, pairs, _STUDIES)
             assert power.rate is not None
             found.append(Point(trials=math.ceil(pairs / share), power=power.rate, low=power.low, high=power.high))
         return found
 
-    def _power(self, difference: float, pairs: int) -> Rate:
+    def _power(self, difference: float, pairs: int, studies: int = power_laws.STUDIES) -> Rate:
         if self._rate:
             exact = power_laws.mcnemar(pairs, *self._shares(difference), self._alpha)
             return Rate(rate=exact, low=None, high=None, k=0, n=0)
-        return power_laws.sign_flips(self._shifted(difference), pairs, self._alpha, self._seed)
+        return power_laws.sign_flips(self._shifted(difference), pairs, self._alpha, self._seed, studies)
 
     def _shares(self, difference: float) -> tuple[float, float]:
         """Returns the probabilities of a pair that is discordant either way, first that of the difference's sign."""
@@ -224,6 +228,7 @@ def judge(study: xr.Dataset, request: Request) -> PairedMeasure[Any]:
             f"{power_laws.SMALLEST_P:g}: the permutation test tells no smaller p"
         )
     _judge_difference(study, measure, request.difference)
+    _differences(measure, request, measure.values(one), measure.values(other))
     return measure
 
 

@@ -26,6 +26,7 @@ SMALLEST_P = 2.0 / RESAMPLES  # that random sign flips can tell
 _FIRST_FLIPS = 500  # after which, and after twice as many each time, clear studies are decided
 _DOUBT = 1e-4  # of a study that is decided before its last flip
 _MOST_FLIPPED = 1_000  # pairs, beyond which the sum of random flips is normal
+_AT_ONCE = 500  # studies, all of whose flips are tried
 _RESOLUTION = 0.01  # of a number of pairs that is found by simulation
 
 
@@ -38,7 +39,8 @@ def mcnemar(pairs: int, more: float, less: float, alpha: float) -> float:
         less: That it has a one in the other condition only.
         alpha: Below which p is a finding.
     """
-    return _mixed(pairs, more + less, _found(more / (more + less), alpha))
+    discordant = min(1.0, more + less)  # but for rounding
+    return _mixed(pairs, discordant, _found(more / discordant, alpha))
 
 
 def mcnemar_pairs(more: float, less: float, alpha: float, power: float) -> int | None:
@@ -50,7 +52,7 @@ def mcnemar_pairs(more: float, less: float, alpha: float, power: float) -> int |
         alpha: As in `mcnemar`.
         power: That is asked for.
     """
-    discordant = more + less
+    discordant = min(1.0, more + less)
     found = _found(more / discordant, alpha)
     # What any larger number of discordant pairs finds at least. It never falls, so its mean over their binomial number
     # never falls with the pairs either: where that is enough, it is enough for all larger numbers.
@@ -146,6 +148,11 @@ def _mixed(pairs: int, discordant: float, values: Array) -> float:
     return float(stats.binom.pmf(counts, pairs, discordant) @ values[counts])
 
 
+def _slices(studies: int) -> list[slice]:
+    """Returns parts of the studies whose flips take little memory."""
+    return [slice(start, start + _AT_ONCE) for start in range(0, studies, _AT_ONCE)]
+
+
 def _flipped(drawn: Array, alpha: float, generator: np.random.Generator) -> Array:
     """Returns which studies, (studies, pairs), are found by `intervals.paired_difference`'s test to be positive.
 
@@ -157,8 +164,8 @@ def _flipped(drawn: Array, alpha: float, generator: np.random.Generator) -> Arra
     bound = total - 1e-12 * np.abs(drawn).sum(axis=1)  # sums that differ by rounding only are equal
     if 2**pairs < RESAMPLES:
         flips = 1.0 - 2.0 * ((np.arange(2**pairs)[:, None] >> np.arange(pairs)) & 1)
-        beyond = (drawn @ flips.T >= bound[:, None]).mean(axis=1)
-        return (2.0 * beyond < alpha) & (total > 0.0)
+        parts = [(drawn[one] @ flips.T >= bound[one, None]).mean(axis=1) for one in _slices(studies)]
+        return (2.0 * np.concatenate(parts) < alpha) & (total > 0.0)
     last = RESAMPLES - 1
     found, open_ = np.zeros(studies, dtype=bool), np.flatnonzero(total > 0.0)
     beyond, done, block = np.zeros(studies), 0, _FIRST_FLIPS
