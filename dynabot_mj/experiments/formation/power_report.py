@@ -122,10 +122,10 @@ def _remarks(plan: Plan) -> list[str]:
         found.append(text)
     if plan.discordant is not None and plan.discordant.rate is not None:
         text = f"Discordant pairs are {tables.rate(plan.discordant)} % of the pilot's"
-        if any(one.raised for one in plan.needs):
+        if raised := [signed(plan, one.difference) for one in plan.needs if one.raised]:
             text += (
-                ", fewer than such a difference has: their share was raised to the difference, the least that it can "
-                "be, with all of them of one sign"
+                f", fewer than a difference of {' or '.join(raised)} has: their share was raised to the difference, "
+                "the least that it can be, with all of them of one sign"
             )
         found.append(f"{text}; more of them need more trials.")
     saved, trials = plan.variances[0], plan.needs[0].trials

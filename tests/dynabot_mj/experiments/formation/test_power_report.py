@@ -47,7 +47,7 @@ def test_the_table_has_what_is_needed_and_says_how_noisy_it_is(plan):
     told = " ".join(text.split())
     assert "a noisy estimate" in told
     assert "The interval includes 0" in told
-    assert "Discordant pairs are 40 [26, 55] % of the pilot's, fewer than such a difference has" in told
+    assert "Discordant pairs are 40 [26, 55] % of the pilot's, fewer than a difference of +45.0 has" in told
     assert "about 75 of each case would be needed instead of 50" in told
     assert "2000" in lines[-4]  # variances in points
     assert max(map(len, lines)) <= 120
