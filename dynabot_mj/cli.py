@@ -30,6 +30,7 @@ _COMMANDS = {
     "video": "One trial of one case as a video, drawn without a display.",
     "view": "One trial of one case, watched: in MuJoCo's window where there is a display, else in the browser.",
     "report": "A study as one page of HTML that needs no network, with its tables as CSV.",
+    "power": "How many trials a difference between two cases needs, from a pilot study.",
     "circle": "Uncertainty of the estimators on the paper's tether experiment: Table II and Fig. 3.",
     "estimate": "Runs estimators over a recorded log of sensor samples.",
     "drive": "Acceptance drive of the rigid robot, its motors commanded directly.",

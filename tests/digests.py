@@ -23,6 +23,8 @@ RECORD = Path(__file__).with_name("digests.json")
 LAW = "def law(known):\n    return 20.0 * (known.leader_w - known.position_w) - 13.0 * known.velocity_w\n"
 SLOWER_CONTROL = "[method.decoupled]\nsample_period = 0.036\ncontrol_period = 0.108\n"
 SHORT = ("--trials", "6", "--duration", "40")
+PARTICLES = ("--plants", "particle", "--estimators", "decoupled", "coupled")
+POWER = ("--cases", "particle/gauss-markov/decoupled", "particle/gauss-markov/coupled")
 COMMANDS = {
     "compare": ("compare", *SHORT, "--perception", "gauss-markov", "filter", "fitted"),
     "compare --friction": ("compare", *SHORT, "--plants", "rigid", "--friction", "0.3..0.9"),
@@ -31,6 +33,9 @@ COMMANDS = {
     "compare --controller": ("compare", *SHORT, "--controller", "digested_law:law", "--estimators", "gps"),
     "compare T_c > T_s": ("compare", *SHORT, "--config", "slower.toml", "--estimators", "decoupled"),
     "compare --robots": ("compare", *SHORT, "--steering", "heading", "--estimators", "coupled", "--robots", "5"),
+    "compare pilot": ("compare", "--trials", "12", "--duration", "50", *PARTICLES),
+    "power means": ("power", "compare_pilot", *POWER, "--measure", "arrival_s", "--difference", "-0.1"),
+    "power rates": ("power", "compare_pilot", *POWER, "--measure", "completion_common", "--difference", "20"),
     "circle": ("circle", "--runs", "4", "--duration", "40", "--log", "log.csv"),
     "circle rigid": ("circle", "--runs", "2", "--duration", "40", "--plant", "rigid"),
     "drive": ("drive",),

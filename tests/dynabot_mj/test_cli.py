@@ -92,6 +92,8 @@ NONSENSE = [
     (["run", "--out", "dangling"], "it is a link to nowhere, which is not there"),
     (["run", "--out", "x" * 300], "File name too long"),
     (["report", "x" * 300], "File name too long"),
+    (["power", "nothing"], "the following arguments are required: --cases, --measure (see dynabot power --help)"),
+    (["power", "nothing", "--cases", "a", "b", "--measure", "arrival_s"], "there is no study at nothing"),
     (["video", "--out", f"{'x' * 300}.mp4"], "File name too long"),
     (["compare", "--gains", "type.toml"], "the gain file type.toml must have a table hand_point with just these keys"),
     (["run", "--reproduce", "nothing:rigid/perfect:0", "--friction", "0.5"], "--friction given with --reproduce"),

@@ -76,6 +76,11 @@ class PairedMeasure(Measure[S]):
     margin: float | None = None  # within which two cases are equivalent; a share of the duration where `censored`
     paired_rank: int = 0  # measures of a higher rank are compared after those of a lower
 
+    @property
+    def unit(self) -> str:
+        """What differences are told in: as the title says, or points of per cent."""
+        return self.title.partition("[")[2].rstrip("]") or "points"
+
 
 @dataclass(frozen=True, kw_only=True)
 class PairedRate(PairedMeasure[S]):

@@ -84,7 +84,7 @@ def paired(study: xr.Dataset) -> list[Paired]:
                 **vars(_compared(measure, factor, one, other)),
                 p_holm=None,
             )
-            for one, other in _pairs(study, factor)
+            for one, other in pairs(study, factor)
             for measure in PAIRED
         ]
         found += [replace(one, p_holm=p) for one, p in zip(family, intervals.holm([o.p for o in family]), strict=True)]
@@ -114,7 +114,7 @@ def two_cases(one: xr.Dataset, other: xr.Dataset, a: str, b: str, factor: str) -
 def interactions(study: xr.Dataset) -> list[Interaction]:
     """Tells for each estimator whether the body's effect differs between two perceptions."""
     seed, found = int(study.attrs["seed"]), []
-    for (one, other), (third, fourth) in itertools.combinations(_pairs(study, "plant"), 2):
+    for (one, other), (third, fourth) in itertools.combinations(pairs(study, "plant"), 2):
         plants = [[str(case.plant.item()) for case in pair] for pair in ((one, other), (third, fourth))]
         if one.estimator != third.estimator or one.perception == third.perception or plants[0] != plants[1]:
             continue
@@ -140,7 +140,7 @@ def interactions(study: xr.Dataset) -> list[Interaction]:
 def equivalences(study: xr.Dataset) -> list[Equivalence]:
     """Judges the fitted surrogate against the filters, where a study has both."""
     found, allowed = [], margins(float(study.attrs["duration"]))
-    for one, other in _pairs(study, "perception"):
+    for one, other in pairs(study, "perception"):
         names = [str(case.perception.item()) for case in (one, other)]
         if sorted(names) != ["filter", "fitted"]:
             continue
@@ -169,7 +169,7 @@ def equivalences(study: xr.Dataset) -> list[Equivalence]:
     return found
 
 
-def _pairs(study: xr.Dataset, factor: Factor) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
+def pairs(study: xr.Dataset, factor: Factor) -> Iterator[tuple[xr.Dataset, xr.Dataset]]:
     """Yields the cases that differ in one factor alone."""
     cases = [study.isel(case=index) for index in range(study.sizes["case"])]
     others, order = [name for name in FACTORS if name != factor], [*KINDS]
