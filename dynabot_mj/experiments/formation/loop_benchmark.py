@@ -21,7 +21,8 @@ from dynabot_mj.plants.rigid_body import RigidBodyPlant
 from dynabot_mj.study import assembly, configuration, scenario
 from dynabot_mj.study.scenario import Case, PerceptionName, Scenario
 from dynabot_mj.trial import loop
-from dynabot_mj.trial.loop import Event
+from dynabot_mj.trial.judge import Judge
+from dynabot_mj.trial.loop import Event, Parts
 
 ESTIMATOR = "decoupled"
 HEADLINE: tuple[PerceptionName, int, int] = ("gauss-markov", 100, 1)  # perception, trials, threads
@@ -206,41 +207,45 @@ def _alternated(robots: int, perception: PerceptionName, trials: int, threads: i
     parts = assembly.parts(setup, case, range(trials), threads=threads)
     engine = Engine(recording, threads)
     commands = len(recording.commands) // _EVENTS["rigid"]  # of an event
-    turn = math.ceil(_TURN / trials)
-    turns = _Turns(turn, lambda events: engine.run(events * commands))
     judge = assembly.judge(setup, case, parts)
-    turns.begin()
+    return in_turn(parts, judge, lambda events: engine.run(events * commands), math.ceil(_TURN / trials))
+
+
+def in_turn(parts: Parts, judge: Judge, follow: Callable[[int], None], turn: int) -> Array:
+    """Returns what the loop and what follows it take, (2, CPU and wall) [s].
+
+    Args:
+        parts: What the trials are made of.
+        judge: Of them.
+        follow: Does what the loop did in so many control periods.
+        turn: How many, the last time fewer.
+    """
+    turns = _Turns(follow, turn)
     loop.simulate(parts, [judge, turns])
-    turns.end()
+    turns.hand_over()
     return turns.spent
 
 
 class _Turns:
-    """Has the engine follow the loop, every few events."""
+    """An observer that has another follow the loop."""
 
-    def __init__(self, turn: int, follow: Callable[[int], None]) -> None:
+    def __init__(self, follow: Callable[[int], None], turn: int) -> None:
+        """Starts the loop's clocks; see `in_turn`."""
         self.spent = np.zeros((2, 2))
-        self._turn, self._follow, self._waiting = turn, follow, 0
+        self._follow, self._turn, self._waiting = follow, turn, 0
         self._since = _now()
-
-    def begin(self) -> None:
-        """Starts the loop's clocks."""
-        self._since = _now()
-
-    def end(self) -> None:
-        """Takes the end of the loop."""
-        self._hand_over()
 
     def event(self, event: Event) -> None:
-        """Takes an event, which is not over."""
+        """Takes the end of a control period, and the beginning of the next."""
         if self._waiting == self._turn:
-            self._hand_over()
+            self.hand_over()
         self._waiting += 1
 
     def substep(self, state: FleetState) -> None:
         """Takes a state, of which nothing is kept."""
 
-    def _hand_over(self) -> None:
+    def hand_over(self) -> None:
+        """Stops the loop's clocks while the other follows."""
         begin = _now()
         self._follow(self._waiting)
         end = _now()
