@@ -22,10 +22,10 @@ class _Subject:
 
 
 _SUBJECTS = {
-    "loop": _Subject(robots=3, repetitions=3, among_all=2, work=90.0),
+    "loop": _Subject(robots=3, repetitions=3, among_all=2, work=85.0),
     "filters": _Subject(robots=300, repetitions=40, among_all=10, work=3.0),
     "radio": _Subject(robots=None, repetitions=10, among_all=5, work=10.0),
-    "environment": _Subject(robots=3, repetitions=5, among_all=1, work=25.0),
+    "environment": _Subject(robots=3, repetitions=5, among_all=2, work=35.0),
     "video": _Subject(robots=3, repetitions=90, among_all=10, work=30.0),
 }
 _OWN_METHODS = "filters"  # the subject that measures the user's too

@@ -17,7 +17,8 @@ def document(report: LoopReport) -> dict[str, Any]:
 def markdown(report: LoopReport) -> str:
     """Returns the report as tables and what they mean."""
     perception, trials, threads = loop_benchmark.HEADLINE
-    seconds, repetitions = report.seconds, report.repetitions
+    repetitions, period = report.repetitions, f"{report.control_period_ms:.0f} ms"
+    rigid_s, particle_s = (f"{report.seconds[plant]:.2f} s" for plant in ("rigid", "particle"))
     rigid = [
         [
             row.perception,
@@ -46,18 +47,17 @@ def markdown(report: LoopReport) -> str:
             ["perception", "trials", "threads", "loop [us]", "raw [us]", "overhead ratio", "of wall time"], rigid
         ),
         "",
-        f"CPU time of an env-step, which is one control period ({report.control_period_ms:.0f} ms, estimator",
-        f"{ESTIMATOR}) of all robots of one trial; medians of {repetitions} repetitions of {seconds['rigid']:.2f} s,",
-        "in which loop and engine take turns. Raw: MuJoCo's batch sets the motors' recorded commands of the same run",
-        "again, with one call for each period of the local laws. A ratio of 1 would be a loop that costs nothing.",
-        "Of wall time: the same, where threads share the physics and not the loop.",
+        f"CPU time of an env-step, which is one control period ({period}, estimator {ESTIMATOR}) of all robots of one",
+        f"trial; medians of {repetitions} repetitions of {rigid_s}, in which loop and engine take turns. Raw: MuJoCo's",
+        "batch sets the motors' recorded commands of the same run again, with one call for each period of the local",
+        "laws. A ratio of 1 would be a loop that costs nothing. Of wall time: the same, where threads share the physics",
+        "and not the loop.",
         "",
         "Loop of point masses:",
         "",
         *tables.aligned(["trials", "env-steps per CPU-second"], particle),
         "",
-        f"With {perception} error, radio and scores; medians of {repetitions} repetitions of",
-        f"{seconds['particle']:.2f} s.",
+        f"With {perception} error, radio and scores; medians of {repetitions} repetitions of {particle_s}.",
         "",
         "Shares of the stages [%]:",
         "",

@@ -61,7 +61,7 @@ def test_all_subjects_are_measured_by_default_and_films_are_skipped_where_there_
     document = json.loads((tmp_path / "a" / "benchmark.json").read_text())
     assert list(document) == ["loop", "filters", "radio", "environment", "video", "made"]
     assert document["video"] == {"skipped": "nothing draws here"}
-    assert document["environment"]["repetitions"] == 1
+    assert document["environment"]["repetitions"] == 2
     if json_asked:
         assert json.loads(out) == document
     else:
