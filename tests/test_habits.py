@@ -86,3 +86,11 @@ def test_what_the_contributing_names_beside_packages_is_there():
         "README.md",
     }
     assert not [name for name in named if not (ROOT / name).exists()]
+
+
+def test_the_baseline_of_the_performance_is_what_the_command_prints():
+    text = (ROOT / "docs" / "performance.md").read_text(encoding="utf-8")
+    headline = re.search(r"^overhead_ratio ([\d.]+): ", text, flags=re.M).group(1)
+    row = re.search(r"^\| gauss-markov \| 100 +\| 1 +\|.*$", text, flags=re.M).group(0)
+    assert row.split("|")[6].strip() == headline
+    assert re.search(r"^Made \d{4}-\d\d-\d\d, \d+ cores; dynabot-mj ", text, flags=re.M)
