@@ -8,7 +8,7 @@ apt = { command -v apt-get >/dev/null && echo "installing the system packages $(
 	if [ "$$(id -u)" = 0 ]; then as=env; else as="sudo -n env"; fi; $$as apt-get update -qq && \
 	$$as DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $(1); } >/dev/null 2>&1; }
 
-.PHONY: compare test test-slow browser graphics gains fitted pictures clean
+.PHONY: compare test test-slow browser graphics gains fitted pictures peers clean
 
 compare: $(VENV)/.installed
 	$(BIN)/dynabot compare
@@ -74,6 +74,20 @@ pictures: $(VENV)/.installed graphics
 	cp out/pictures/perception/outcomes.png docs/images/perceptions.png
 	cp out/pictures/tune/tuning.png out/pictures/tune/parity.png out/pictures/track/tracking.png docs/images/
 
+# What the package is compared with, in an environment of its own; see benchmarks/peers/README.md.
+PEERS := benchmarks/peers
+PEERS_PIP ?=
+peers: $(PEERS)/.venv/.installed
+	OMP_NUM_THREADS=1 $(PEERS)/.venv/bin/python $(PEERS)/bodies.py
+	OMP_NUM_THREADS=1 $(PEERS)/.venv/bin/python $(PEERS)/particles.py
+
+$(PEERS)/.venv/.installed: pyproject.toml requirements.lock $(PEERS)/requirements.txt
+	$(PYTHON) -m venv --clear $(PEERS)/.venv
+	$(PEERS)/.venv/bin/python -m pip install --quiet --disable-pip-version-check $(PEERS_PIP) \
+	  -r requirements.lock -r $(PEERS)/requirements.txt
+	$(PEERS)/.venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@touch $@
+
 # The lock file pins what is tested; the package itself is installed in place.
 $(VENV)/.installed: pyproject.toml requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -86,4 +100,4 @@ $(VENV)/.installed: pyproject.toml requirements.lock
 	@touch $@
 
 clean:
-	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) $(PEERS)/.venv out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

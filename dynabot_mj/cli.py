@@ -37,7 +37,7 @@ _COMMANDS = {
     "tune": "Tunes the local laws with CasADi, and judges the result in MuJoCo on courses that it was not tuned on.",
     "track": "How well vehicles imitate particles, for each steering law and gain set.",
     "schedule": "Shortest periods that the processor can keep, Eqs. 1-3.",
-    "benchmark": "What the estimators cost, in time and operations; the environment, against mj_step alone; or films.",
+    "benchmark": "What things cost: the loop against the raw engine, estimators, radio, environment and films.",
     "doctor": "What works on this machine: OpenGL, video encoder, versions; and how to mend what does not.",
 }
 

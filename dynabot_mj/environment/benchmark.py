@@ -3,7 +3,7 @@
 The robots are pushed by random forces, or turn their wheels at random speeds, new ones every second. The motors'
 commands that this gives are recorded, and the bare loop sets them again, once per control period, with as many physics
 steps: so both drive alike, and sliding tyres, which cost more than resting ones, are in both. Ratios are the median of
-those within one repetition, loop over environment: 1 would be an environment that costs nothing.
+those within one repetition, loop over environment, in CPU time: 1 would be an environment that costs nothing.
 """
 
 import time
@@ -86,8 +86,8 @@ def markdown(rows: list[StepRate], robots: int, repetitions: int) -> str:
         "",
         *tables.aligned(header, body),
         "",
-        f"Per control period; medians of {repetitions} repetitions of {_DURATION:.0f} s. The loop replays the motors'",
-        "commands; a ratio of 1 would be an environment that costs nothing.",
+        f"CPU time per control period; medians of {repetitions} repetitions of {_DURATION:.0f} s. The loop replays the",
+        "motors' commands; a ratio of 1 would be an environment that costs nothing.",
     ]
     return "\n".join(lines) + "\n"
 
@@ -113,22 +113,22 @@ def _row(robots: int, repetitions: int, estimator: str, action: Action, observat
 
 
 def _times(env: task.FormationEnvironment, actions: Array, steps: int, per_action: int) -> tuple[float, float]:
-    """Returns how long the environment takes, and the bare loop [s]."""
+    """Returns the CPU time of the environment, and of the bare loop [s]."""
     env.reset()
     physics = env.physics
     start, commands = physics.data.qpos.copy(), np.empty((steps, physics.model.nu))
-    begin = time.perf_counter()
+    begin = time.process_time()
     for step in range(steps):
         env.step(actions[step // per_action])
         commands[step] = physics.data.ctrl
-    spent = time.perf_counter() - begin
+    spent = time.process_time() - begin
     model = physics.model.ptr
     data = mujoco.MjData(model)
     data.qpos[:] = start
     substeps = round(env.control_timestep() / model.opt.timestep)
-    begin = time.perf_counter()
+    begin = time.process_time()
     for command in commands:
         data.ctrl[:] = command
         for _ in range(substeps):
             mujoco.mj_step(model, data)
-    return spent, time.perf_counter() - begin
+    return spent, time.process_time() - begin

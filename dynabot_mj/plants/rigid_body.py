@@ -19,6 +19,7 @@ from dynabot_mj.controllers.vehicle import Vehicle
 from dynabot_mj.plants import free_joint, scene
 from dynabot_mj.plants.local_laws import Drivers, LocalLaws
 from dynabot_mj.plants.plant import LONGEST_SUBSTEP, FleetState, NavigationError
+from dynabot_mj.plants.replay import Recording
 
 LOCAL_PERIOD = 0.039  # longest period of the local laws [s]
 PHYSICS_STEP = 0.005  # longest physics step [s]; the contacts behave alike from 0.5 to 5 ms
@@ -99,6 +100,7 @@ class RigidBodyPlant:
         self._impulse_b = np.zeros((2, trials, robots))
         self._state = self._read(0.0, 0.0)
         self._drivers = Drivers(laws, robot.vehicle, self._state)
+        self._recording: Recording | None = None
 
     @property
     def state(self) -> FleetState:
@@ -130,6 +132,11 @@ class RigidBodyPlant:
         """Velocity of the point mass that the steering law imitates, (B, n, 2) [m/s]."""
         return self._drivers.reference_w
 
+    def record(self) -> Recording:
+        """Keeps all motors' commands from now on, which must be the start; friction must be the same in all trials."""
+        self._recording = Recording(self._batch.get_model(0), self._qpos)
+        return self._recording
+
     def step(self, force_w: Array, gap: float, error: NavigationError | None = None) -> Sequence[FleetState]:
         """Advances by local-law periods and physics steps; see `Plant.step`."""
         locals_, period, steps = divided(gap)
@@ -138,6 +145,8 @@ class RigidBodyPlant:
         start, states = self._state.time, []
         for local in range(locals_):
             self._act(force_w, period, _grown(error, local * period))
+            if self._recording is not None:
+                self._recording.take(self._ctrl, period / steps, steps)
             done = 0
             while done < steps:
                 count = min(per_look, steps - done)

@@ -10,6 +10,7 @@ import pytest
 
 from dynabot_mj import cli, study
 from dynabot_mj.experiments.estimators import circle, estimate, kinematic
+from dynabot_mj.experiments.formation import loop_benchmark, radio_benchmark
 from dynabot_mj.host import opengl
 from dynabot_mj.report import material
 from dynabot_mj.sensing import replay
@@ -86,6 +87,24 @@ def small_report():
             material.circle, "run", lambda asked, progress: run(replace(asked, runs=2, duration=30.0), progress)
         )
         patch.setattr(material, "_SHOT", replace(material._SHOT, width=480, height=270, rate=4.0, samples=0))
+        yield
+
+
+@pytest.fixture(scope="module")
+def small_loop():
+    """Makes what the loop and the radio are timed on small."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in {
+            "HEADLINE": ("gauss-markov", 3, 1),
+            "_RIGID_TRIALS": (1, 3),
+            "_PARTICLE_TRIALS": (1, 5),
+            "_SHARED_TRIALS": {"particle": 2, "rigid": 2},
+            "_EVENTS": {"particle": 8, "rigid": 6},
+            "_TURN": 4,
+        }.items():
+            patch.setattr(loop_benchmark, name, value)
+        patch.setattr(radio_benchmark, "_TRIALS", 2)
+        patch.setattr(radio_benchmark, "_EVENTS", 4)
         yield
 
 

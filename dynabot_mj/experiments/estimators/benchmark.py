@@ -1,6 +1,6 @@
 """What the estimators cost: time of the batched filters and of their FilterPy twins, and floating-point operations.
 
-A step is a prediction and a bearing; every few steps there is a fix as well. Times are medians over repetitions, the
+A step is a prediction and a bearing; every few steps there is a fix as well. Times are medians of CPU time, the
 ratio of both implementations is the median of the ratios within one repetition. Operations are those of the twin, whose
 matrices are dense, counted by running it on arrays that count (`operations`).
 """
@@ -173,8 +173,8 @@ def markdown(report: FilterReport) -> str:
             ["estimator", "batched [us]", "with policy [us]", "FilterPy [us]", "ratio", "operations", "t_se [ms]"], body
         ),
         "",
-        f"Per robot and step, with a fix in parentheses; medians of {report.repetitions} repetitions. Operations:",
-        "floating-point ones of the FilterPy twin. t_se: the paper's, Table II.",
+        f"CPU time per robot and step, with a fix in parentheses; medians of {report.repetitions} repetitions.",
+        "Operations: floating-point ones of the FilterPy twin. t_se: the paper's, Table II.",
         "",
         f"Python time cannot stand in for t_se: with a fix, coupled EKF over gps is {times[0]:.1f} in time of",
         f"FilterPy, where calls hide the arithmetic, {times[1]:.0f} in operations and {times[2]:.0f} in the paper.",
@@ -243,11 +243,11 @@ def _twin_steps(name: str) -> tuple[Callable[[], Any], Callable[[], Any]]:
 
 
 def _time(task: Callable[[], Any]) -> float:
-    """Returns how long a task takes [us]."""
-    start = time.perf_counter()
+    """Returns the CPU time of a task [us]."""
+    start = time.process_time()
     for _ in range(_STEPS):
         task()
-    return 1e6 * (time.perf_counter() - start) / _STEPS
+    return 1e6 * (time.process_time() - start) / _STEPS
 
 
 def _step(filter_: Filter, imu: ImuSample) -> None:
