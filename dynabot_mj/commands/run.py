@@ -26,6 +26,9 @@ def run(options: argparse.Namespace) -> None:
     with studies.opened(options, "run", made, _FILES, kept=lambda folder: "") as folder:
         study, wall_s = studies.run(made, None, options, "run")
         case = study.isel(case=0)
+        # A study keeps the path of its first trial alone.
+        judged = {name: case[name].isel(trial=0).values for name in case.data_vars if "trial" in case[name].dims}
+        trials.tell_identical(options, judged)
         row = case_rows.document(case_rows.row(case))
         places = case.final_position_w.isel(trial=0).values
         row["final_position_m"] = [[float(x) if np.isfinite(x) else None for x in place] for place in places]

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +68,7 @@ def _single(options: argparse.Namespace) -> Any:
 
 def _reproduced(options: argparse.Namespace) -> Any:
     """Builds the configuration of one trial of a saved study."""
-    from dynabot_mj.study import configuration, provenance, saved, scenario
+    from dynabot_mj.study import dataset, provenance, saved, scenario
 
     others = {name: name for name in ("config", "plant", "estimator", "perception", "trial", *studies.SCIENCE)}
     others["implementation"] = "filters"
@@ -84,9 +85,35 @@ def _reproduced(options: argparse.Namespace) -> Any:
         raise InputError(f"case {label!r} given, the study has: {', '.join(labels)}")
     if number not in study.trial.values:
         raise InputError(f"trial {number} given, the study has {study.trial.values[0]} to {study.trial.values[-1]}")
-    setup = configuration.load(study.attrs["configuration"], str(path))
-    if name := saved.changed_input(study):
+    made = dataset.campaign_of(study, str(path))
+    entry = made.entries[labels.index(label)]
+    setup, part = made.points[entry.point].setup, dataset.points(study)[entry.point]
+    if name := saved.changed_input(part):
         raise InputError(f"the {name} {provenance.given(setup, name)!r} of {path} has changed since that study")
     if (then := study.attrs.get("versions")) != (now := provenance.versions()):
         print(f"dynabot: that study was run by {then}, this is {now}: the trial may differ", file=sys.stderr)
-    return scenario.one_trial(setup, label, number)
+    options.saved = part.sel(case=entry.case.label, trial=number)
+    return scenario.one_trial(setup, entry.case.label, number)
+
+
+def tell_identical(options: argparse.Namespace, found: Mapping[str, Any]) -> None:
+    """Says whether a trial that was repeated is the saved one, bit for bit.
+
+    Args:
+        options: With the trial that `chosen` has found.
+        found: Values of variables of the Dataset.
+    """
+    import numpy as np
+
+    if not options.reproduce:
+        return
+    trial = options.saved
+    others = [
+        name
+        for name, values in found.items()
+        if name in trial.variables and not np.array_equal(np.asarray(values), trial[name].values, equal_nan=True)
+    ]
+    if others:
+        print(f"note: not identical to the saved trial: {', '.join(others)} differ", file=sys.stderr)
+    else:
+        print(f"identical to trial {int(trial.trial)} of {options.reproduce.rsplit(':', 2)[1]}", file=sys.stderr)

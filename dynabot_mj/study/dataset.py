@@ -369,11 +369,21 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
+def campaign_of(study: xr.Dataset, origin: str) -> Campaign:
+    """Returns the campaign that a Dataset is of.
+
+    Raises:
+        InputError: If its configuration is none.
+    """
+    text = f"{study.attrs['configuration']}\n{study.attrs.get('grid', '')}"
+    return campaign.parse(text, origin)
+
+
 def points(study: xr.Dataset) -> list[xr.Dataset]:
     """Returns the studies that a campaign consists of, one for each point of its grid, each as if run by itself."""
     if "grid" not in study.attrs:
         return [study]
-    made = campaign.parse(f"{study.attrs['configuration']}\n{study.attrs['grid']}", "the study's configuration")
+    made = campaign_of(study, "the study's configuration")
     inputs = json.loads(study.attrs["inputs"])
     found = []
     for index, point in enumerate(made.points):

@@ -7,7 +7,7 @@ import xarray as xr
 
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.host import user_code
-from dynabot_mj.study import configuration, dataset, provenance, scenario
+from dynabot_mj.study import configuration, dataset, provenance
 
 
 def load(place: Path) -> tuple[xr.Dataset, Path]:
@@ -33,7 +33,7 @@ def load(place: Path) -> tuple[xr.Dataset, Path]:
         if name not in saved.attrs and name not in saved.coords:
             raise InputError(f"the study {path} is not as it was saved: it has no {name}")
     user_code.look_in(_folder(path))  # of laws and estimators of the user's
-    labels = [case.label for case in scenario.cases(configuration.load(saved.attrs["configuration"], str(path)))]
+    labels = [entry.label for entry in dataset.campaign_of(saved, str(path)).entries]
     if labels != saved.case.values.tolist():
         raise InputError(f"the study {path} is not as it was saved: configured are the cases {', '.join(labels)}")
     return saved, path

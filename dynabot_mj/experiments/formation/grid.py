@@ -151,7 +151,7 @@ def title(one: Measure[Any]) -> str:
 
 def case_name(one: GridRow, grid: Grid) -> str:
     """Returns what tells a case from others at the same values of the factors that are shown."""
-    names = [name for name in (*FACTORS, *grid.factors) if name not in grid.over]
+    names = [name for name in ("plant", "perception", "estimator", *grid.factors) if name not in grid.over]
     varying = [name for name in names if len({str(other.at(name)) for other in grid.rows}) > 1]
     told = (str(one.at(name)) if name in FACTORS else f"{name} {_text(one.at(name))}" for name in varying)
     return ", ".join(part for part in told if part and part != "None")
@@ -236,7 +236,7 @@ def _differences(grid: Grid) -> Table:
 
 def _told(one: GridRow, other: GridRow, grid: Grid) -> tuple[str, str]:
     """Returns what two cases share of what varies, and what they differ in."""
-    names = [*FACTORS, *grid.factors]
+    names = ["plant", "perception", "estimator", *grid.factors]
     varying = [name for name in names if len({str(row.at(name)) for row in grid.rows}) > 1]
     shared, differ = [], []
     for name in varying:
