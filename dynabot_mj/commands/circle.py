@@ -4,7 +4,7 @@ import argparse
 from dataclasses import asdict
 from pathlib import Path
 
-from dynabot_mj.commands import parsers, results
+from dynabot_mj.commands import parsers, results, studies
 from dynabot_mj.common.exceptions import InputError
 
 _FILES = ("circle.json", "circle.md", "circle.toml", "fig_3.png", "errors.png")
@@ -16,7 +16,7 @@ def add(commands: parsers.Commands) -> None:
     from dynabot_mj.experiments.estimators.circle import PLANTS
     from dynabot_mj.experiments.estimators.kinematic import PATHS
 
-    command = parsers.command(commands, circle, parsers.shared())
+    command = parsers.command(commands, circle, parsers.shared(), parsers.execution(threads=False))
     command.add_argument(
         "--config", type=Path, metavar="FILE.toml", help="the same, [sensors] and [filter]; options override"
     )
@@ -59,9 +59,9 @@ def circle(options: argparse.Namespace) -> None:
     )
     if options.log:
         files.require_writable(options.log)
-    with results.opened(options, "circle", asdict(request), _FILES) as folder:
+    with studies.working(options, "circle", asdict(request), _FILES, experiment.chunks(request)) as (folder, how):
         with progress.shown("circle") as tell:
-            outcome = experiment.run(request, tell)
+            outcome = experiment.run(request, tell, how)
         document, text = circle_report.document(outcome), circle_report.markdown(outcome)
         note = f"; the first run's samples are {options.log}" if options.log else ""
         with results.report(options, folder, "circle", document, text, note) as draft:
@@ -77,8 +77,8 @@ def _check(options: argparse.Namespace, name: str) -> None:
     """Runs one of the checks of the filters, which have the kinematic circle and sensors of their own."""
     from dynabot_mj.experiments.estimators import consistency, consistency_report, faults, faults_report, grouping
 
-    for other in ("config", "duration", "period", "plant", "path", "log"):
-        if getattr(options, other) is not None:
+    for other in ("config", "duration", "period", "plant", "path", "log", "scheduler", "resume"):
+        if getattr(options, other) not in (None, False):
             raise InputError(f"--{other} given with --{name}, which takes --runs and --seed only")
     if options.runs is not None and options.runs < 2:
         raise InputError(f"--runs {options.runs} given with --{name}, it must be at least 2")

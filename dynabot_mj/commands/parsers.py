@@ -94,11 +94,16 @@ def methods_help() -> str:
     return f"{', '.join(METHODS)}, or a method of yours, see docs/own-estimator.md"
 
 
-def execution() -> argparse.ArgumentParser:
-    """Returns how a study of several parts is executed."""
+def execution(*, threads: bool = True) -> argparse.ArgumentParser:
+    """Returns how a study of several parts is executed.
+
+    Args:
+        threads: Whether their number may be chosen.
+    """
     parser = argparse.ArgumentParser(add_help=False)
     add_workers(parser)
-    parser.add_argument("--threads", type=int, default=1, help="of MuJoCo in each process (default 1)")
+    if threads:
+        parser.add_argument("--threads", type=int, default=1, help="of MuJoCo in each process (default 1)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that works in place of the processes")
     parser.add_argument("--resume", action="store_true", help="continue an interrupted run of the same study")
     return parser

@@ -114,6 +114,45 @@ def opened(
             raise
 
 
+@contextlib.contextmanager
+def working(
+    options: argparse.Namespace, name: str, depends_on: Mapping[str, Any], names: Sequence[str], chunks: Sequence[Any]
+) -> Iterator[tuple[ResultFolder, Any]]:
+    """Opens the folder of results that chunks of work make which are no trials of a study, and forgets the chunks.
+
+    Args:
+        options: The command's, with those of `parsers.execution`.
+        name: Of the command.
+        depends_on: What the results depend on, as plain values.
+        names: Patterns of the files that will be written.
+        chunks: The work.
+
+    Yields:
+        The folder, and how to execute the chunks.
+    """
+    from dynabot_mj.study import execution
+
+    def told(folder: Path) -> str:
+        there, whole = execution.kept(chunks, folder / _CHUNKS)
+        return f"kept {there} of {whole} parts" if there else ""
+
+    with results.opened(options, name, depends_on, names, told) as folder:
+        if options.resume and (found := told(folder.path)):
+            print(f"note: {found}", file=sys.stderr)
+        place = folder.path / _CHUNKS
+        try:
+            yield (
+                folder,
+                execution.Execution(
+                    workers=options.workers, scheduler=options.scheduler, chunks=place, resume=options.resume
+                ),
+            )
+        except BaseException:  # the command's last line tells what outlives it
+            options.kept = told(folder.path)
+            raise
+        execution.forget(chunks, place)
+
+
 def again(options: argparse.Namespace, folder: ResultFolder, document: str, text: str) -> bool:
     """Prints what a finished study printed, where that is all that `--resume` has left to do.
 

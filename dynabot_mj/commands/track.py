@@ -2,16 +2,15 @@
 
 import argparse
 
-from dynabot_mj.commands import parsers, results
+from dynabot_mj.commands import parsers, results, studies
 from dynabot_mj.common.exceptions import InputError
 
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    command = parsers.command(commands, track, parsers.shared())
+    command = parsers.command(commands, track, parsers.shared(), parsers.execution(threads=False))
     command.add_argument("--trials", type=int, default=100, help="of each formation (default 100)")
     command.add_argument("--seed", type=int, default=0, help="of all random numbers (default 0)")
-    parsers.add_workers(command)
     parsers.add_out(command, "out/track")
 
 
@@ -28,9 +27,10 @@ def track(options: argparse.Namespace) -> None:
     parsers.require_seed(options.seed)
     depends_on = {"seed": options.seed, "trials": options.trials}
     names = ("tracking.json", "tracking.md", "tracking.png")
-    with results.opened(options, "track", depends_on, names) as folder:
+    work = experiment.chunks(options.seed, options.trials)
+    with studies.working(options, "track", depends_on, names, work) as (folder, how):
         with progress.shown("track") as tell:
-            report = experiment.run(options.seed, options.trials, options.workers, tell)
+            report = experiment.run(options.seed, options.trials, how, tell)
         document, text = track_report.document(report), track_report.markdown(report)
         with results.report(options, folder, "tracking", document, text) as draft:
             save(tracking.tracking(report), draft / "tracking.png")

@@ -6,7 +6,7 @@ import importlib.metadata
 import os
 import platform
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +49,12 @@ def inputs(setup: Scenario) -> dict[str, str]:
                 found[f"method {name}"] = file
     except FileNotFoundError as error:
         raise InputError(str(error)) from error
-    return {name: hashlib.sha256(file.read_bytes()).hexdigest()[:16] for name, file in found.items()}
+    return digests(found)
+
+
+def digests(files: Mapping[str, Path]) -> dict[str, str]:
+    """Returns the digests of some files by name."""
+    return {name: hashlib.sha256(file.read_bytes()).hexdigest()[:16] for name, file in files.items()}
 
 
 def given(setup: Scenario, name: str) -> str:

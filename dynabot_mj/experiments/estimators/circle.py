@@ -8,6 +8,7 @@ errors along the path.
 
 import json
 import math
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import fields
@@ -17,7 +18,9 @@ import numpy as np
 from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
+from dynabot_mj.common import columns
 from dynabot_mj.common.arrays import Progress
+from dynabot_mj.common.columns import Columns
 from dynabot_mj.common.exceptions import InputError, one_line
 from dynabot_mj.common.validation import STRICT, UNITS
 from dynabot_mj.experiments.estimators import kinematic, tether
@@ -25,6 +28,7 @@ from dynabot_mj.experiments.estimators import scores as estimation_scores
 from dynabot_mj.experiments.estimators.best_fit import BestFit
 from dynabot_mj.experiments.estimators.kinematic import PathName
 from dynabot_mj.experiments.estimators.scores import Consistency, EstimationScores
+from dynabot_mj.perception import estimators
 from dynabot_mj.perception import options as perception_options
 from dynabot_mj.perception.estimators import NAMES, build
 from dynabot_mj.perception.options import FilterParameters
@@ -33,7 +37,8 @@ from dynabot_mj.sensing import replay
 from dynabot_mj.sensing.ground_truth import GroundTruth
 from dynabot_mj.sensing.options import SensorOptions
 from dynabot_mj.sensing.replay import Samples, Track
-from dynabot_mj.study import configuration, methods
+from dynabot_mj.study import configuration, execution, methods, provenance
+from dynabot_mj.study.execution import Execution, ShareWatch
 from dynabot_mj.study.methods import Method
 
 PlantName = Literal["kinematic", "rigid"]
@@ -42,6 +47,7 @@ PLANTS: tuple[PlantName, ...] = get_args(PlantName)
 DROPPED = 15.0  # at the beginning, until the estimators have settled [s]
 CHUNK = 50  # runs at once: what bounds the memory
 
+_HERE = Execution()  # in this process
 _DRIVING: dict[PlantName, float] = {"kinematic": 0.0, "rigid": 0.8}  # its share of the work
 
 
@@ -127,33 +133,76 @@ def dump(asked: CircleRequest) -> str:
     return configuration.toml(asked)
 
 
-def run(asked: CircleRequest, progress: Progress = lambda share: None) -> CircleOutcome:
+@plain_dataclass(frozen=True, kw_only=True)
+class RunsChunk:
+    """Some runs, an `execution.Chunk`."""
+
+    asked: CircleRequest
+    start: int  # number of the first
+    count: int
+
+    @property
+    def label(self) -> str:
+        """All runs are of one kind."""
+        return "circle"
+
+    @property
+    def weight(self) -> float:
+        """By their number."""
+        return float(self.count)
+
+    @property
+    def origin(self) -> Mapping[str, Any]:
+        """What the scores depend on."""
+        asked = {key: value for key, value in tomllib.loads(dump(self.asked)).items() if key != "runs"}
+        files = {name: own.filter for name, own in (self.asked.method or {}).items() if own.filter}
+        return {
+            "circle": asked,
+            "inputs": provenance.digests(
+                {name: file for name, path in files.items() if (file := estimators.source(name, path))}
+            ),
+            "computation": provenance.computation(),
+            "runs": [self.start, self.start + self.count],
+        }
+
+    def run(self, threads: int, progress: Progress) -> Columns:
+        """Drives and follows them, on one thread."""
+        found = follow(self.asked, self.start, self.count, progress)
+        told: dict[str, Any] = {}
+        for name in self.asked.estimators:
+            told |= {f"{name}.{key}": values for key, values in columns.flatten(found.scores[name]).items()}
+            told[f"{name}.restarts"] = found.tracks[name].restarts.sum()
+        return told
+
+
+def chunks(asked: CircleRequest) -> list[RunsChunk]:
+    """Returns the work: the runs in chunks of fixed size."""
+    return [
+        RunsChunk(asked=asked, start=start, count=min(CHUNK, asked.runs - start))
+        for start in range(0, asked.runs, CHUNK)
+    ]
+
+
+def run(asked: CircleRequest, progress: Progress = lambda share: None, how: Execution = _HERE) -> CircleOutcome:
     """Runs the experiment.
 
     Args:
         asked: What is asked for.
         progress: Told the share of the work that is done.
+        how: How the runs are executed.
     """
-    example: Chunk | None = None
-    scores: dict[str, list[EstimationScores]] = {name: [] for name in asked.estimators}
-    restarts = dict.fromkeys(asked.estimators, 0)
-    for begin in range(0, asked.runs, CHUNK):
-        count = min(CHUNK, asked.runs - begin)
-
-        def tell(share: float, begin: int = begin, count: int = count) -> None:
-            progress((begin + share * count) / asked.runs)
-
-        chunk = follow(asked, begin, count, tell)
-        example = example or chunk
-        for name in asked.estimators:
-            scores[name].append(chunk.scores[name])
-            restarts[name] += int(chunk.tracks[name].restarts.sum())
-    assert example is not None  # there is a run
+    work = chunks(asked)
+    results = execution.execute(work, how, ShareWatch(progress))
+    found = [results[index] for index in range(len(work))]
+    scores = {}
+    for name in asked.estimators:
+        own = [{key.removeprefix(f"{name}."): values for key, values in part.items()} for part in found]
+        scores[name] = _joined([columns.restore(EstimationScores, part) for part in own])
     return CircleOutcome(
         request=asked,
-        scores={name: _joined(parts) for name, parts in scores.items()},
-        restarts=restarts,
-        example=example,
+        scores=scores,
+        restarts={name: sum(int(part[f"{name}.restarts"]) for part in found) for name in asked.estimators},
+        example=follow(asked, 0, 1),  # of the same numbers as among others
     )
 
 

@@ -4,21 +4,23 @@ On courses of force, on the formation with perfect information at the periods of
 friction.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from dynabot_mj.common import intervals
+from dynabot_mj.common import columns, intervals
 from dynabot_mj.common.arrays import Array, Progress, rms
+from dynabot_mj.common.columns import Columns
 from dynabot_mj.common.intervals import Difference, Mean, MeanInterval, Rate
 from dynabot_mj.experiments.vehicle import formation_tracking, manoeuvres, tracking
 from dynabot_mj.experiments.vehicle.formation_tracking import FormationTracking
 from dynabot_mj.experiments.vehicle.tracking import Tracking
 from dynabot_mj.formation import metrics
-from dynabot_mj.host import files, opengl, processes
 from dynabot_mj.plants.options import SteeringName
-from dynabot_mj.study import configuration, fleet, scenario
+from dynabot_mj.study import configuration, execution, fleet, provenance, scenario
+from dynabot_mj.study.execution import Execution, ShareWatch
 from dynabot_mj.study.scenario import Scenario
 from dynabot_mj.testbed import paper
 
@@ -102,38 +104,114 @@ class TrackReport:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Task:
-    """One formation study."""
+class FormationChunk:
+    """One formation study, an `execution.Chunk`."""
 
     laws: Laws
     setup: Scenario
+    start: int = 0
+
+    @property
+    def label(self) -> str:
+        """Laws, period and friction."""
+        period = scenario.method(self.setup, "perfect").sample_period
+        return f"{self.laws.label}, {period:g} s, friction {self.setup.vehicle.friction}"
+
+    @property
+    def weight(self) -> float:
+        """They are alike."""
+        return 1.0
+
+    @property
+    def origin(self) -> Mapping[str, Any]:
+        """What the outcome depends on."""
+        return {"formation tracking": provenance.depends_on(self.setup), "computation": provenance.computation()}
+
+    def run(self, threads: int, progress: Progress) -> Columns:
+        """Runs it, on one thread."""
+        return columns.flatten(formation_tracking.follow(self.setup, range(self.setup.trials)))
 
 
-def run(seed: int, trials: int, workers: int, progress: Progress = lambda share: None) -> TrackReport:
+@dataclass(frozen=True, kw_only=True)
+class CoursesChunk:
+    """The courses of all kinds with one law, an `execution.Chunk`."""
+
+    laws: Laws
+    seed: int
+    per_kind: int
+    duration: float
+    start: int = 0
+
+    @property
+    def label(self) -> str:
+        """By the law."""
+        return f"courses, {self.laws.label}"
+
+    @property
+    def weight(self) -> float:
+        """Beside a formation's."""
+        return 1.0
+
+    @property
+    def origin(self) -> Mapping[str, Any]:
+        """What the outcome depends on."""
+        return {
+            "courses": {"seed": self.seed, "per_kind": self.per_kind, "duration": self.duration},
+            "vehicle": provenance.depends_on(self._setup),
+            "computation": provenance.computation(),
+        }
+
+    def run(self, threads: int, progress: Progress) -> Columns:
+        """Drives all of one kind, then all of the next."""
+        drawn = manoeuvres.of_each_kind(self.seed, self.per_kind, _PURPOSE)
+        courses = manoeuvres.sampled(drawn, self.duration, COURSE_PERIOD)
+        return columns.flatten(tracking.follow(courses, fleet.local_laws(self._setup)))
+
+    @property
+    def _setup(self) -> Scenario:
+        return configuration.build({"vehicle": {"steering": self.laws.steering, "gains": self.laws.gains}})
+
+
+def chunks(seed: int, trials: int) -> list[FormationChunk | CoursesChunk]:
+    """Returns the work: formations over laws and periods, formations over friction, and courses.
+
+    Args:
+        seed: Of courses and trials.
+        trials: Of each formation.
+    """
+    return [*_formations(seed, trials), *_courses(seed)]
+
+
+def _courses(seed: int) -> list[CoursesChunk]:
+    return [CoursesChunk(laws=laws, seed=seed, per_kind=COURSES_PER_KIND, duration=COURSE_DURATION) for laws in LAWS]
+
+
+def _formations(seed: int, trials: int) -> list[FormationChunk]:
+    return [
+        *(
+            _chunk(laws, seed, trials, period, row)
+            for period, row in PERIODS
+            for laws in LAWS
+            if laws == TUNED or period in COMPARED_PERIODS
+        ),
+        *(_chunk(TUNED, seed, trials, COURSE_PERIOD, "perfect", friction) for friction in FRICTIONS),
+    ]
+
+
+def run(seed: int, trials: int, how: Execution, progress: Progress = lambda share: None) -> TrackReport:
     """Runs everything.
 
     Args:
         seed: Of courses and trials.
         trials: Of each formation.
-        workers: Processes.
+        how: How the formations are executed.
         progress: Told the share of the work that is done.
     """
-    tasks = [
-        _task(laws, seed, trials, period, row)
-        for period, row in PERIODS
-        for laws in LAWS
-        if laws == TUNED or period in COMPARED_PERIODS
-    ]
-    split = len(tasks)
-    tasks += [_task(TUNED, seed, trials, COURSE_PERIOD, "perfect", friction) for friction in FRICTIONS]
-    found: list[FormationTracking] = []
-    with processes.pool(workers) as pool:
-        with files.uninterrupted(), opengl.unasked():
-            futures = [pool.submit(_formation, task) for task in tasks]
-        driven = _courses(seed)
-        for done, future in enumerate(futures):
-            found.append(future.result())
-            progress((done + 1) / len(tasks))
+    tasks = _formations(seed, trials)
+    split = len(tasks) - len(FRICTIONS)
+    results = execution.execute(chunks(seed, trials), how, ShareWatch(progress))
+    found = [columns.restore(FormationTracking, results[index]) for index in range(len(tasks))]
+    driven = {laws.label: columns.restore(Tracking, results[len(tasks) + index]) for index, laws in enumerate(LAWS)}
     rows = [_row(task, outcome) for task, outcome in zip(tasks, found, strict=True)]
     return TrackReport(
         seed=seed,
@@ -149,21 +227,19 @@ def run(seed: int, trials: int, workers: int, progress: Progress = lambda share:
     )
 
 
-def _task(laws: Laws, seed: int, trials: int, period: float, row: str, friction: float | None = None) -> _Task:
+def _chunk(
+    laws: Laws, seed: int, trials: int, period: float, row: str, friction: float | None = None
+) -> FormationChunk:
     gains = paper.TABLE_III[row]
     vehicle: dict[str, Any] = {"steering": laws.steering, "gains": laws.gains}
     if friction is not None:
         vehicle["friction"] = friction
     method = {"sample_period": period, "alpha_h": gains.alpha_h, "alpha_d": gains.alpha_d}
     tree = {"vehicle": vehicle, "method": {"perfect": method}}
-    return _Task(laws=laws, setup=configuration.build(tree, seed=seed, trials=trials))
+    return FormationChunk(laws=laws, setup=configuration.build(tree, seed=seed, trials=trials))
 
 
-def _formation(task: _Task) -> FormationTracking:
-    return formation_tracking.follow(task.setup, range(task.setup.trials))
-
-
-def _row(task: _Task, outcome: FormationTracking) -> FormationRow:
+def _row(task: FormationChunk, outcome: FormationTracking) -> FormationRow:
     method, friction = scenario.method(task.setup, "perfect"), task.setup.vehicle.friction
     assert isinstance(method.sample_period, float)
     horizon = scenario.duration(task.setup)
@@ -194,17 +270,6 @@ def _row(task: _Task, outcome: FormationTracking) -> FormationRow:
         completion_common=intervals.rate(outcome.rigid.completion_common),
         diverged=int(outcome.diverged.sum()),
     )
-
-
-def _courses(seed: int) -> dict[str, Tracking]:
-    """Drives the courses with every law: all of one kind, then all of the next."""
-    drawn = manoeuvres.of_each_kind(seed, COURSES_PER_KIND, _PURPOSE)
-    courses = manoeuvres.sampled(drawn, COURSE_DURATION, COURSE_PERIOD)
-    driven = {}
-    for laws in LAWS:
-        setup = configuration.build({"vehicle": {"steering": laws.steering, "gains": laws.gains}})
-        driven[laws.label] = tracking.follow(courses, fleet.local_laws(setup))
-    return driven
 
 
 def _course_rows(driven: dict[str, Tracking]) -> list[CourseRow]:
