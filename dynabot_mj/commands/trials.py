@@ -46,6 +46,11 @@ def chosen(options: argparse.Namespace) -> Any:
     return _reproduced(options) if options.reproduce else _single(options)
 
 
+def final(recording: Any) -> dict[str, Any]:
+    """Returns what a recorded trial and the study that has it both keep."""
+    return {"final_position_w": recording.final_position_w, "final_heading": recording.final_heading}
+
+
 def _single(options: argparse.Namespace) -> Any:
     """Builds the configuration of one trial of one case."""
     setup = studies.build(
@@ -108,6 +113,9 @@ def tell_identical(options: argparse.Namespace, found: Mapping[str, Any]) -> Non
     if not options.reproduce:
         return
     trial = options.saved
+    if int(trial.diverged):
+        print("note: the saved trial broke down: nothing of it is there to compare with", file=sys.stderr)
+        return
     others = [
         name
         for name, values in found.items()
@@ -116,4 +124,5 @@ def tell_identical(options: argparse.Namespace, found: Mapping[str, Any]) -> Non
     if others:
         print(f"note: not identical to the saved trial: {', '.join(others)} differ", file=sys.stderr)
     else:
-        print(f"identical to trial {int(trial.trial)} of {options.reproduce.rsplit(':', 2)[1]}", file=sys.stderr)
+        label = options.reproduce.rsplit(":", 2)[1]
+        print(f"identical to the saved trial {int(trial.trial)} of {label}", file=sys.stderr)

@@ -72,6 +72,7 @@ def video(options: argparse.Namespace) -> None:
     with result_folder.locked(path):
         with progress.shown("simulation") as tell:
             taken = take.take(setup, shot, options.beside is not None, tell)
+        trials.tell_identical(options, trials.final(taken.recording))
         document = {"file": str(path), "simulation_s": round(time.monotonic() - begin, 3)}
         if options.still is not None:
             drawn_at = _still(taken, shot, options.still, path)

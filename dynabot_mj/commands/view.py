@@ -42,7 +42,9 @@ def view(options: argparse.Namespace) -> None:
     snapshots = None
     if not options.live:
         with progress.shown("view") as tell:
-            snapshots = playback.snapshots(recording.record(setup, playback.FRAME, tell))
+            recorded = recording.record(setup, playback.FRAME, tell)
+        trials.tell_identical(options, trials.final(recorded))
+        snapshots = playback.snapshots(recorded)
     clock = playback.Clock(options.speed)
     screen = _screen(options, setup, clock, in_window)
     try:

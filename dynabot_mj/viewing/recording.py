@@ -50,6 +50,8 @@ class Recording:
     overlapping: BoolArray  # (K, n) whose footprint has overlapped another since the time before
     near: BoolArray  # (K, n) whose centre has been nearer to another than the collision distance since then
     messages: Messages
+    final_position_w: Array  # (n, 2) at the very end, which a study keeps [m]
+    final_heading: Array  # (n,) likewise [rad]
 
 
 def record(setup: Scenario, interval: float, progress: Progress = lambda share: None) -> Recording:
@@ -107,7 +109,8 @@ class _Recorder:
     def recording(self) -> Recording:
         """Returns what was kept."""
         kept = {name: np.stack([frame[name] for frame in self._frames]) for name in self._frames[0]}
-        n = self._setup.robots
+        n, last = self._setup.robots, self._previous
+        assert last is not None  # trials have a duration
         return Recording(
             setup=self._setup,
             case=self._case,
@@ -132,6 +135,8 @@ class _Recorder:
                 arrives_at=np.array([message[2] for message in self._messages]).reshape(-1, n),
                 lost=np.array([message[3] for message in self._messages], dtype=bool).reshape(-1, n),
             ),
+            final_position_w=last.position_w[0].copy(),
+            final_heading=last.heading[0].copy(),
         )
 
     def _judge(self) -> None:

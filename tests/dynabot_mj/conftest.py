@@ -170,11 +170,11 @@ def started(command):
     """Starts the command line beside a test, which it does not outlive, not even by a pipe."""
     processes = []
 
-    def start(*arguments):
+    def start(*arguments, cwd=None):
         line = [command, *map(str, arguments)]
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
         # A session of its own: its group gets signals as from a terminal.
-        processes.append(subprocess.Popen(line, **pipes, text=True, start_new_session=True))
+        processes.append(subprocess.Popen(line, **pipes, text=True, cwd=cwd, start_new_session=True))
         return processes[-1]
 
     yield start

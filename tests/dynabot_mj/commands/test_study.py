@@ -1,4 +1,8 @@
 import json
+import os
+import random
+import signal
+import time
 
 import pytest
 
@@ -46,7 +50,7 @@ def test_any_trial_of_it_can_be_repeated(main, folder):
     assert done.returncode == 0, done.stderr
     saved = study.load(folder / "out" / "study" / "study.nc").sel(case=label, trial=2)
     assert json.loads(done.stdout)["final_position_m"] == saved.final_position_w.values.tolist()
-    assert f"identical to trial 2 of {label}" in done.stderr
+    assert f"identical to the saved trial 2 of {label}" in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -66,3 +70,25 @@ def test_nonsense_is_one_line_and_leaves_nothing(main, folder, line, told):
     assert told in done.stderr
     assert done.stderr.count("\n") == 1
     assert not (folder / "out").exists()
+
+
+@pytest.mark.slow
+def test_killed_at_any_moment_it_resumes_to_the_same_bytes(dynabot, started, folder):
+    """The moments are random, what comes of them is not: whenever a study is killed, nothing is half written."""
+    line = ["study", "grid.toml", "--trials", "600", "--workers", "2"]
+    began = time.monotonic()
+    assert dynabot(*line, "--out", "whole", cwd=folder).returncode == 0
+    spent, draw = time.monotonic() - began, random.Random(0)
+    whole = (folder / "whole" / "study.nc").read_bytes()
+    for number in range(20):
+        place = folder / f"killed{number}"
+        process = started(*line, "--out", place, cwd=folder)
+        time.sleep(draw.uniform(0.0, spent))
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait(timeout=60)
+        if place.is_dir():
+            assert {file.name for file in place.iterdir()} <= {".chunks", ".lock"} or (place / "study.nc").is_file()
+        kept = any((place / ".chunks").glob("*.npz"))
+        done = dynabot(*line, "--out", place, *(["--resume"] if kept else []), cwd=folder)
+        assert done.returncode == 0, done.stderr
+        assert (place / "study.nc").read_bytes() == whole
