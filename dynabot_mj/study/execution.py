@@ -298,7 +298,7 @@ def _cluster(address: str) -> Iterator[concurrent.futures.Executor]:
         except Exception as error:  # of any kind: that of a worker which cannot import us is a bare one of its text
             why = str(error) or type(error).__name__
             raise InputError(
-                f"the Dask workers at {address!r} cannot import dynabot_mj as it is here: {why}"
+                f"the Dask workers at {address!r} cannot say by what they compute; can they import dynabot_mj? {why}"
             ) from error
         if not found:
             raise InputError(f"the Dask scheduler at {address!r} has no workers; start some: dask worker {address}")
