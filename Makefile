@@ -63,11 +63,15 @@ pictures: $(VENV)/.installed graphics
 	$(BIN)/dynabot circle --out out/pictures/circle --overwrite
 	$(BIN)/dynabot compare --perception gauss-markov filter fitted --out out/pictures/perception --overwrite
 	$(BIN)/dynabot video --beside particle --still 34 --out out/pictures/fleet.png
+	$(BIN)/python -c 'import re; print(re.search("```toml\n(.*?)```", open("docs/campaigns.md").read(), re.S).group(1))' \
+	  >out/pictures/campaign.toml
+	$(BIN)/dynabot study out/pictures/campaign.toml --out out/pictures/study --overwrite
 	mkdir -p docs/images
 	cp out/pictures/fleet.png docs/images/
 	cp out/pictures/compare/trajectories_decoupled.png out/pictures/compare/table_iii.png docs/images/
 	cp out/pictures/compare/outcomes.png out/pictures/compare/incidence.png docs/images/
 	cp out/pictures/sensitivity/sensitivity.png docs/images/
+	cp out/pictures/study/campaign.png docs/images/
 	cp out/pictures/circle/fig_3.png docs/images/
 	cp out/pictures/circle/errors.png docs/images/circle_errors.png
 	cp out/pictures/perception/errors.png docs/images/loop_errors.png

@@ -16,7 +16,8 @@ from dynabot_mj.perception import methods
 from dynabot_mj.plants.kinds import KINDS
 
 _MARKERS = "osD^vPX"
-_LEVEL_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_LEGEND_ENTRY, _LEGEND_LETTER = 0.75, 0.085  # widths of an entry without its name, and of a letter [inches]
 
 
 def grid(found: Grid) -> Figure:
@@ -25,6 +26,7 @@ def grid(found: Grid) -> Figure:
     across = experiment.levels(found, second[0]) if second else [None]
     places, ticks = _places(experiment.levels(found, first))
     names = list(dict.fromkeys(experiment.case_name(row, found) for row in found.rows))
+    looks = _looks(found, names)
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(
             len(found.shown),
@@ -47,18 +49,37 @@ def grid(found: Grid) -> Figure:
                         if experiment.case_name(row, found) == case and (not second or row.at(second[0]) == value)
                     ]
                     x = [places[str(row.at(first))] + 0.012 * (index - (len(names) - 1) / 2.0) for row in rows]
-                    _draw(axis, x, [_interval(row, name, measure.scale) for row in rows], case, _look(rows, index))
+                    _draw(axis, x, [_interval(row, name, measure.scale) for row in rows], case, looks[case])
             line[0].set_ylabel(experiment.title(measure))
-            line[0].set_ylim(0.0, 1.06 * line[0].get_ylim()[1])
+            top = 1.06 * line[0].get_ylim()[1]
+            line[0].set_ylim(-0.03 * top, top)  # markers at zero are whole
         for axis in axes[-1]:
             axis.set_xlabel(first)
             axis.set_xticks(*ticks)
-            axis.margins(x=0.08)
-        handles, labels = axes[0, 0].get_legend_handles_labels()
-        if any(labels):
-            figure.legend(handles, labels, loc="outside lower center", ncols=min(len(names), 4))
-        figure.suptitle(f"{found.trials} trials of each case, seed {found.seed}; 95 %, but ± sd of means", fontsize=11)
+            margin = 0.08 if _numbers(experiment.levels(found, first)) else 0.2  # words are wide
+            axis.set_xlim(-margin, max(places.values()) + margin)
+        handles = {
+            label: handle for axis in axes.flat for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)
+        }
+        if order := [name for name in names if name in handles]:
+            columns = _legend_columns(order, figure.get_figwidth())
+            figure.legend([handles[name] for name in order], order, loc="outside lower center", ncols=columns)
+        figure.suptitle(f"{found.trials} trials of each case, seed {found.seed}\n{_bars(found)}", fontsize=10)
     return figure
+
+
+def _legend_columns(names: Sequence[str], width: float) -> int:
+    """Returns how many columns of a legend a figure of some width [inches] holds."""
+    return max(1, min(len(names), 4, int(width / (_LEGEND_ENTRY + _LEGEND_LETTER * max(map(len, names))))))
+
+
+def _bars(found: Grid) -> str:
+    """Says what the bars are."""
+    means = [name for name in found.shown if any(isinstance(row.row.measured[name], Mean) for row in found.rows)]
+    told = ", ".join(experiment.title(experiment.measure(name)).partition(" [")[0] for name in means)
+    if len(means) == len(found.shown):
+        return "bars: ± sd"
+    return f"bars: 95 % intervals{f', of {told} ± sd' if told else ''}"
 
 
 def _draw(axis: Axes, x: Sequence[float], told: Sequence[Any], case: str, look: dict[str, Any]) -> None:
@@ -72,23 +93,31 @@ def _draw(axis: Axes, x: Sequence[float], told: Sequence[Any], case: str, look: 
             axis.plot([place, place], [low, high], color=look["color"], linewidth=1.3)
 
 
-def _look(rows: Sequence[GridRow], index: int) -> dict[str, Any]:
-    """Returns how a case looks: methods and plants as everywhere, where they are what differs."""
-    row = rows[0] if rows else None
-    return {
-        "color": methods.colour(row.row.estimator) if row else _LEVEL_COLOURS[index % len(_LEVEL_COLOURS)],
-        "linestyle": KINDS[row.row.plant].line if row else "-",
-        "marker": _MARKERS[index % len(_MARKERS)],
-    }
+def _looks(found: Grid, names: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Returns how cases look: methods and plants as everywhere; what else tells them apart are markers, then hollow."""
+    looks: dict[str, dict[str, Any]] = {}
+    for index, name in enumerate(names):
+        row = next(row.row for row in found.rows if experiment.case_name(row, found) == name)
+        many = "estimator" in found.over  # a line or the panels are of all of them
+        colour = _COLOURS[index % len(_COLOURS)] if many else methods.colour(row.estimator)
+        look = {"color": colour, "linestyle": "-" if "plant" in found.over else KINDS[row.plant].line}
+        twin = any(look.items() <= other.items() for other in looks.values())
+        hollow = {"markerfacecolor": "white"} if twin else {}
+        looks[name] = {**look, "marker": _MARKERS[index % len(_MARKERS)], **hollow}
+    return looks
 
 
 def _places(levels: Sequence[Any]) -> tuple[dict[str, float], tuple[list[float], list[str]]]:
     """Returns where the values of a factor are on the axis: numbers to scale, all else side by side."""
-    numbers = all(isinstance(one, int | float) for one in levels) and len(levels) > 1
+    numbers = _numbers(levels)
     span = (max(levels) - min(levels)) or 1.0 if numbers else 1.0
     least = min(levels) if numbers else 0.0
     at = [(one - least) / span if numbers else index / max(len(levels) - 1, 1) for index, one in enumerate(levels)]
     return dict(zip(map(str, levels), at, strict=True)), (at, [_text(one) for one in levels])
+
+
+def _numbers(levels: Sequence[Any]) -> bool:
+    return all(isinstance(one, int | float) for one in levels) and len(levels) > 1
 
 
 def _interval(row: GridRow, name: str, scale: float) -> tuple[float | None, float | None, float | None]:

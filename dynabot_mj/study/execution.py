@@ -293,8 +293,13 @@ def _cluster(address: str) -> Iterator[concurrent.futures.Executor]:
         here = provenance.computation()
         try:
             found = client.run(provenance.computation)
-        except ImportError as error:
-            raise InputError(f"the Dask workers at {address!r} cannot import dynabot_mj: {error}") from error
+        except OSError:
+            raise
+        except Exception as error:  # of any kind: that of a worker which cannot import us is a bare one of its text
+            why = str(error) or type(error).__name__
+            raise InputError(
+                f"the Dask workers at {address!r} cannot say by what they compute; can they import dynabot_mj? {why}"
+            ) from error
         if not found:
             raise InputError(f"the Dask scheduler at {address!r} has no workers; start some: dask worker {address}")
         for worker, there in found.items():
