@@ -8,7 +8,7 @@ apt = { command -v apt-get >/dev/null && echo "installing the system packages $(
 	if [ "$$(id -u)" = 0 ]; then as=env; else as="sudo -n env"; fi; $$as apt-get update -qq && \
 	$$as DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $(1); } >/dev/null 2>&1; }
 
-.PHONY: compare test test-slow browser graphics gains fitted pictures peers clean
+.PHONY: compare test test-slow fuzz browser graphics gains fitted pictures peers clean
 
 compare: $(VENV)/.installed
 	$(BIN)/dynabot compare
@@ -34,6 +34,11 @@ graphics: $(VENV)/.installed
 # Checks that take minutes: the statistics of Table III on fresh seeds, and the rigid plant against the particle.
 test-slow: $(VENV)/.installed
 	OMP_NUM_THREADS=1 $(BIN)/pytest -n auto -m slow
+
+# Broken configurations, logs, studies and models: 10,000 of them in place of the 300 of `make test`.
+FUZZ_INPUTS ?= 10000
+fuzz: $(VENV)/.installed
+	DYNABOT_FUZZ=$(FUZZ_INPUTS) OMP_NUM_THREADS=1 $(BIN)/pytest -n auto --dist load tests/test_fuzz.py
 
 # The gain set that all studies use by default: tuned from the first one, and adopted only where it beats it.
 gains: $(VENV)/.installed

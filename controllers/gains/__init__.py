@@ -4,7 +4,8 @@ The sets of this folder go by their names, others by their paths. A file has the
 `traction`, each with all gains of its dataclass, and `provenance`: how the gains were found.
 """
 
-import math
+import os
+import sys
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
@@ -45,7 +46,7 @@ def path(name: str) -> Path:
         FileNotFoundError: If there is neither; the message lists the names.
     """
     for file in (_FOLDER / f"{name}.toml", Path(name)):
-        if file.is_file():
+        if os.path.isfile(file):  # of a path that cannot be one too, which `Path.is_file` raises an error for
             return file
     raise FileNotFoundError(f"gains {name!r} given, it must be a gain file or one of: {', '.join(names())}")
 
@@ -63,8 +64,10 @@ def load(name: str) -> Gains:
     file = path(name)
     try:
         tree = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (OSError, ValueError) as error:  # also of a number with thousands of digits
         raise ValueError(f"the gain file {file} cannot be read: {error}") from error
+    except RecursionError:
+        raise ValueError(f"the gain file {file} cannot be read: brackets are nested too deeply") from None
     return Gains(
         hand_point=_table(tree, "hand_point", HandPoint, file),
         heading=_table(tree, "heading", Heading, file),
@@ -89,9 +92,18 @@ def _table(tree: Mapping[str, Any], name: str, kind: type[_Table], file: Path) -
         raise ValueError(f"the gain file {file} must have a table {name} with just these keys: {', '.join(needed)}")
     for key, value in table.items():
         number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not number or not math.isfinite(value) or value < 0.0 or (value == 0.0 and key not in _MAY_BE_ZERO):
+        # The largest is Python's: whole numbers may be too large for a float.
+        bounded = number and 0.0 <= value <= sys.float_info.max
+        if not bounded or (value == 0.0 and key not in _MAY_BE_ZERO):
             allowed = "at least 0" if key in _MAY_BE_ZERO else "positive"
             raise ValueError(
-                f"the gain file {file}: {name}.{key} = {value} given, it must be a finite number and {allowed}"
+                f"the gain file {file}: {name}.{key} = {_told(value)} given, it must be a finite number and {allowed}"
             )
     return kind(**{key: float(value) for key, value in table.items()})
+
+
+def _told(value: Any) -> str:
+    try:
+        return str(value)
+    except ValueError:  # Python writes no whole number of more than 4,300 digits
+        return "a number with too many digits"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping
+from decimal import Decimal
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -20,6 +21,10 @@ class DynabotError(Exception):
         ...     print(error)
         9 robots given, allowed are 2 to 7
     """
+
+    def __str__(self) -> str:
+        """Returns the message in one line, whatever names and values of the user's are in it."""
+        return "".join(one if one.isprintable() else repr(one)[1:-1] for one in super().__str__())
 
 
 class InputError(DynabotError):
@@ -84,14 +89,18 @@ def one_line(
         # Behind the field's own name, a union names its branch (such as "constrained-float") and a tuple its index.
         key = ".".join(part for part in found["loc"] if isinstance(part, str) and part.isidentifier())
         if found["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
-            lines[key] = f"unknown key {key or repr(found['loc'][-1])}{suggestion(key, allowed)}"
+            last = str(found["loc"][-1])
+            # A name that could not stand in a dotted key is not in it.
+            inside = f" in {key}" if key else ""
+            told = f"{key}{suggestion(key, allowed)}" if last.isidentifier() else f"{last!r}{inside}"
+            lines[f"{key} {last}"] = f"unknown key {told}"
         elif found["type"] == "missing" and isinstance(found["loc"][-1], str):
             lines[key] = f"{key} is missing, it must be given"
         else:
             # What a union or a tuple adds behind its first finding is about our types, not about the input.
             given, most = found["input"], found.get("ctx", {}).get("le")
             is_number = isinstance(given, int | float) and not isinstance(given, bool)
-            value, unit = (f"{given:g}" if is_number else repr(given)), units.get(key.rpartition(".")[2], "")
+            value, unit = (_number(given) if is_number else repr(given)), units.get(key.rpartition(".")[2], "")
             told = f"{typed[key]} {value}" if key in typed else f"{key} = {value}"
             told += f": {found['msg'][0].lower()}{found['msg'][1:]}"
             if unit and found["type"] in _BOUNDS:
@@ -100,3 +109,10 @@ def one_line(
                 told += f"; a fraction is meant: {given / 100.0:g}?"
             lines.setdefault(key, told)
     return "; ".join(lines.values())
+
+
+def _number(value: float) -> str:
+    try:
+        return f"{value:g}"
+    except OverflowError:  # a whole number may have hundreds of digits
+        return f"{Decimal(value):.6g}"

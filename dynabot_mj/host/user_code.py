@@ -49,7 +49,8 @@ def look_in(folder: Path | None) -> None:
 
 def source(found: Any) -> Path | None:
     """Returns the file that a thing of the user's is from; None where there is no file."""
-    file = getattr(sys.modules[found.__module__], "__file__", None)
+    # What is built into Python, and what is no function but can be called, may be of no module.
+    file = getattr(sys.modules.get(getattr(found, "__module__", None) or ""), "__file__", None)
     return Path(file) if file else None
 
 

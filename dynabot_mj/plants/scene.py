@@ -2,6 +2,7 @@
 
 import functools
 import math
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -173,7 +174,7 @@ def path(model: str) -> Path:
         InputError: If there is no such file.
     """
     file = models.path("dynabot.xml") if model == BUILT_IN else Path(model)
-    if not file.is_file():
+    if not os.path.isfile(file):  # of a path that cannot be one too, which `Path.is_file` raises an error for
         raise InputError(f"model {model!r} given, it must be {BUILT_IN!r} or an MJCF file")
     return file
 
@@ -182,15 +183,16 @@ def _load(model: str) -> mujoco.MjSpec:
     """Reads one robot and makes sure that it has the parts that everything else refers to by name."""
     try:
         robot = mujoco.MjSpec.from_file(str(path(model)))
+        # Names that are not UTF-8 are found here only.
+        joints, actuators, geoms = ([part.name for part in of] for of in (robot.joints, robot.actuators, robot.geoms))
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(f"the model {model} cannot be read: {' '.join(str(error).split())}") from error
     parts = {
-        "joint": (robot.joints, ["free", *WHEELS]),
-        "actuator": (robot.actuators, list(WHEELS)),
-        "geom": (robot.geoms, ["hull", *(f"{wheel}_tyre" for wheel in WHEELS)]),
+        "joint": (joints, ["free", *WHEELS]),
+        "actuator": (actuators, list(WHEELS)),
+        "geom": (geoms, ["hull", *(f"{wheel}_tyre" for wheel in WHEELS)]),
     }
-    for kind, (found, needed) in parts.items():
-        names = [part.name for part in found]
+    for kind, (names, needed) in parts.items():
         for name in needed:
             if name not in names:
                 raise InputError(f"the model {model} has no {kind} named {name!r}; it needs {', '.join(needed)}")

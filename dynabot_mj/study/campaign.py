@@ -144,6 +144,13 @@ def load(tree: Mapping[str, Any], origin: str, typed: Mapping[str, str] = _NONE,
     Raises:
         InputError: If the grid is none, or one of its points is no configuration.
     """
+    try:
+        return _load(tree, origin, typed, **options)
+    except RecursionError:
+        raise InputError(f"{origin} is no configuration: tables are nested too deeply") from None
+
+
+def _load(tree: Mapping[str, Any], origin: str, typed: Mapping[str, str], **options: Any) -> Campaign:
     rest = dict(tree)
     grid = rest.pop("grid", {})
     if not isinstance(grid, Mapping):

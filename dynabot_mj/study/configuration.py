@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 _NONE: Mapping[str, Any] = {}
+_DIGITS = "a number has too many digits"  # Python reads and writes 4,300
 # Tables of the options that are not top-level keys.
 TABLES = {"utilisation": "processor", "headings": "start", "implementation": "filter"} | {
     field.name: "vehicle" for field in fields(VehicleOptions)
@@ -119,8 +120,10 @@ def build(
         merged["method"] = methods.merged(merged["method"])
     try:
         # Strict validation refuses plain dicts for dataclasses; from JSON it accepts them and is as strict otherwise.
-        setup = TypeAdapter(Scenario).validate_json(json.dumps(merged, default=str))
+        setup = TypeAdapter(Scenario).validate_json(_json(merged, origin))
     except ValidationError as error:
+        if (first := error.errors(include_url=False)[0])["type"] == "json_invalid":  # nested too deeply for it
+            raise InputError(f"{origin} is no configuration: {first['ctx']['error']}") from error
         own = given if isinstance(given := merged.get("method"), Mapping) else {}
         tree = asdict(Scenario(method={**BUILT_IN, **dict.fromkeys(own, BUILT_IN["decoupled"])}))
         told = one_line(error, _keys(tree), typed, UNITS)
@@ -169,8 +172,22 @@ def parsed(text: str, origin: str) -> dict[str, Any]:
         InputError: If it is none.
     """
     try:
-        return tomllib.loads(text)
+        tree = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{origin} is not TOML: {error}") from error
     except RecursionError:
         raise InputError(f"{origin} is no configuration: brackets are nested too deeply") from None
+    except ValueError:
+        raise InputError(f"{origin} is no configuration: {_DIGITS}") from None
+    _json(tree, origin)  # what cannot be written could not even be told in a message
+    return tree
+
+
+def _json(tree: Mapping[str, Any], origin: str) -> str:
+    """Returns a tree of plain values as JSON."""
+    try:
+        return json.dumps(tree, default=str)
+    except RecursionError:
+        raise InputError(f"{origin} is no configuration: tables are nested too deeply") from None
+    except ValueError:
+        raise InputError(f"{origin} is no configuration: {_DIGITS}") from None

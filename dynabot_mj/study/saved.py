@@ -27,11 +27,13 @@ def load(place: Path) -> tuple[xr.Dataset, Path]:
         raise InputError(f"there is no study at {path}")
     try:
         saved = dataset.load(path)
-    except (OSError, ValueError) as error:
-        raise InputError(f"cannot read the study {path}: {error}") from error
-    for name in ("configuration", "case", "trial"):
-        if name not in saved.attrs and name not in saved.coords:
+    except Exception as error:  # which one depends on where the file is broken
+        raise InputError(f"cannot read the study {path}: {' '.join(str(error).split())}") from error
+    for name, there in (("configuration", saved.attrs), ("case", saved.coords), ("trial", saved.coords)):
+        if name not in there:
             raise InputError(f"the study {path} is not as it was saved: it has no {name}")
+    if not isinstance(saved.attrs["configuration"], str):
+        raise InputError(f"the study {path} is not as it was saved: its configuration is no text")
     user_code.look_in(_folder(path))  # of laws and estimators of the user's
     labels = [entry.label for entry in dataset.campaign_of(saved, str(path)).entries]
     if labels != saved.case.values.tolist():
@@ -49,6 +51,9 @@ def _folder(path: Path) -> Path | None:
 
 def changed_input(saved: xr.Dataset) -> str | None:
     """Returns which of the files that a saved study read has changed since; None where its trials can be repeated."""
-    was = json.loads(saved.attrs.get("inputs", "{}"))  # older studies do not say
+    try:
+        was = dict(json.loads(saved.attrs.get("inputs", "{}")))  # older studies do not say
+    except (TypeError, ValueError, RecursionError):
+        was = {}
     setup = configuration.load(saved.attrs["configuration"], "the study's configuration")
     return next((name for name, digest in provenance.inputs(setup).items() if was.get(name) != digest), None)

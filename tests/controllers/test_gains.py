@@ -65,6 +65,10 @@ def test_a_set_that_is_not_there_is_refused_with_the_list(tmp_path):
             "traction.yaw_gain = -2.0 given, it must be a finite number and at least 0",
         ),
         ("offset = 0.35", "offset = ", "cannot be read"),
+        ("offset = 0.35", "offset = " + "1" * 400, "1 given, it must be a finite number and positive"),
+        ("offset = 0.35", "offset = " + "1" * 5000, "cannot be read"),
+        ("offset = 0.35", "offset = 0x" + "1" * 5000, "a number with too many digits given"),
+        ("offset = 0.35", "offset = " + "[" * 3000, "cannot be read: brackets are nested too deeply"),
     ],
 )
 def test_nonsense_is_named_in_one_line(old, new, message, tmp_path, text):

@@ -2,7 +2,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from dynabot_mj.common.exceptions import one_line, suggestion
+from dynabot_mj.common.exceptions import InputError, one_line, suggestion
 from dynabot_mj.common.validation import STRICT, Positive, Share
 
 
@@ -22,6 +22,10 @@ def told(text, **options):
     with pytest.raises(ValidationError) as caught:
         TypeAdapter(Outer).validate_json(text)
     return one_line(caught.value, **options)
+
+
+def test_a_message_is_one_line_whatever_is_in_it():
+    assert str(InputError("no model a\nb\x1b é")) == "no model a\\nb\\x1b é"
 
 
 def test_a_near_name_is_suggested_and_a_far_one_is_not():

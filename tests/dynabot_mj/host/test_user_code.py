@@ -33,6 +33,10 @@ def test_another_folder_can_be_looked_in(folder, monkeypatch, tmp_path_factory):
     assert user_code.source(load("code_of_a_user:law")) == folder / "code_of_a_user.py"
 
 
+def test_what_is_of_no_module_has_no_file():
+    assert user_code.source(load("random:random")) is None
+
+
 @pytest.mark.parametrize(
     ("name", "told"),
     [

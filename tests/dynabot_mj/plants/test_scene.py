@@ -245,6 +245,10 @@ def test_a_model_that_is_no_file_or_no_mjcf_is_refused(tmp_path):
     (tmp_path / "text.xml").write_text("not XML at all")
     with pytest.raises(InputError, match="cannot be read"):
         scene.read_robot(scene.Conditions(model=str(tmp_path / "text.xml")))
+    right = models.path("dynabot.xml").read_bytes()
+    (tmp_path / "latin.xml").write_bytes(right.replace(b'name="front_left_tyre"', b'name="front_left_\xff"'))
+    with pytest.raises(InputError, match="cannot be read"):
+        scene.read_robot(scene.Conditions(model=str(tmp_path / "latin.xml")))
     (tmp_path / "binary.xml").write_bytes(bytes(range(256)))
     with pytest.raises(InputError, match="cannot be read"):
         scene.read_robot(scene.Conditions(model=str(tmp_path / "binary.xml")))

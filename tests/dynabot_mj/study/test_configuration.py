@@ -71,6 +71,15 @@ def test_faults_survive_their_toml():
         ("vehicle = 3", "vehicle = 3"),
         ("[sensors.gps]\nperiod = 1e-10", "sensors.gps.period = 1e-10: input should be greater than or equal to 0.01"),
         ("[filter]\nalignment = 1e7", "filter.alignment = 1e+07: input should be less than or equal to 600 s"),
+        ("robots = " + "1" * 5000, "study.toml is no configuration: a number has too many digits"),
+        ("robots = 0x" + "f" * 5000, "study.toml is no configuration: a number has too many digits"),
+        ("mass = " + "1" * 400, "mass = 1.11111e+399"),
+        ("a." * 3000 + "a = 1", "study.toml is no configuration: tables are nested too deeply"),
+        ("a." * 300 + "a = 1", "study.toml is no configuration: recursion limit exceeded"),
+        ('estimators = ["a\\nb"]', "a method of your own, [method.a\\nb]"),
+        ('[radio]\n"a b" = 1', "unknown key 'a b' in radio"),
+        (f"[vehicle]\nmodel = '{'x' * 300}'", "it must be 'dynabot' or an MJCF file"),
+        (f"[vehicle]\ngains = '{'x' * 300}'", "it must be a gain file or one of: first, tuned"),
     ],
 )
 def test_nonsense_is_named_in_one_line(text, message):

@@ -1,5 +1,6 @@
 import json
 
+import h5py
 import pytest
 import xarray as xr
 
@@ -27,6 +28,33 @@ def test_what_is_no_study_is_told_with_its_path(place, tmp_path):
     (place / "study.nc").write_bytes(b"no study")
     with pytest.raises(InputError, match=f"cannot read the study {place / 'study.nc'}: "):
         studies.load(place)
+
+
+def test_a_study_whose_parts_are_others_is_refused_in_one_line(place, dataset):
+    path = place / "study.nc"
+
+    def refused():
+        with pytest.raises(InputError) as error:
+            studies.load(path)
+        return str(error.value)
+
+    whole = path.read_bytes()
+    with h5py.File(path, "r+") as file:
+        file.attrs["configuration"] = 3
+    assert refused().endswith("its configuration is no text")
+    study.save(dataset.drop_vars("trial").assign_attrs(trial=3), path)
+    assert refused().endswith("it has no trial")
+    # A variable of its own length in the place of another: the reader fails in its own way.
+    path.write_bytes(whole)
+    with h5py.File(path, "r+") as file:
+        del file["case"]
+        file["case"] = h5py.Empty("f8")
+    assert refused().startswith(f"cannot read the study {path}: ")
+
+
+def test_a_study_that_does_not_say_what_it_read_cannot_be_known_to_be_unchanged(dataset):
+    for inputs in ("[1]", "no JSON", "null", 3):
+        assert studies.changed_input(dataset.assign_attrs(inputs=inputs)) is not None
 
 
 def test_the_file_that_a_study_read_and_that_has_changed_is_named(dataset):
