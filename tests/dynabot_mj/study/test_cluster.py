@@ -111,17 +111,24 @@ def test_a_scheduler_without_workers_is_refused(study, address):
     assert refusal(study()) == line
 
 
-def here(text):
-    """Returns the study, done in this process."""
-    made = campaign.parse(text, "here")
-    return dataset.whole(made, execution.execute(dataset.chunks(made), execution.Execution(), execution.Watch()))
+@pytest.fixture
+def here(tmp_path):
+    """Returns the bytes of a study that is done in this process, written as the command does."""
+
+    def content(text):
+        made = campaign.parse(text, "here")
+        done = execution.execute(dataset.chunks(made), execution.Execution(), execution.Watch())
+        dataset.write(made, done, tmp_path / "here.nc")
+        return (tmp_path / "here.nc").read_bytes()
+
+    return content
 
 
-def test_a_cluster_of_processes_gives_the_same_bytes(study, worker, saved, tmp_path):
+def test_a_cluster_of_processes_gives_the_same_bytes(study, worker, here, tmp_path):
     worker()
     done = study()
     assert done.returncode == 0, done.stderr
-    assert (tmp_path / "there" / "study.nc").read_bytes() == saved(here(GRID))
+    assert (tmp_path / "there" / "study.nc").read_bytes() == here(GRID)
 
 
 @pytest.mark.parametrize(
@@ -153,7 +160,7 @@ def test_no_scheduler_is_told_so(study):
 
 
 @pytest.mark.slow
-def test_a_worker_that_is_killed_costs_time_and_no_results(worker, started, polled, address, saved, tmp_path):
+def test_a_worker_that_is_killed_costs_time_and_no_results(worker, started, polled, address, here, tmp_path):
     text = GRID.replace("14.0", "30.0").replace("[2, 3]", "[2, 3, 4, 5]")
     text = text.replace('["gps"]', '["gps", "decoupled"]').replace("trials = 2", "trials = 20")
     (tmp_path / "grid.toml").write_text(text)
@@ -164,4 +171,4 @@ def test_a_worker_that_is_killed_costs_time_and_no_results(worker, started, poll
     os.kill(victim.pid, signal.SIGKILL)
     _, stderr = command.communicate(timeout=300)
     assert command.returncode == 0, stderr
-    assert (tmp_path / "killed" / "study.nc").read_bytes() == saved(here(text))
+    assert (tmp_path / "killed" / "study.nc").read_bytes() == here(text)
