@@ -211,7 +211,11 @@ def _compiled(spec: mujoco.MjSpec, model: str) -> mujoco.MjModel:
         compiled = spec.compile()
     except ValueError as error:
         raise InputError(f"the model {model} cannot be compiled: {' '.join(str(error).split())}") from error
+    motors = {compiled.actuator(index).name for index in range(compiled.nactuator)}
     for wheel in WHEELS:
+        # What refers to nothing in the robot is left out when it is attached.
+        if prefix(0) + wheel not in motors:
+            raise InputError(f"the model {model}: actuator {wheel!r} moves no joint of the robot")
         motor = compiled.actuator(prefix(0) + wheel)
         dc_motor = compiled.actuator_gaintype[motor.id] == mujoco.mjtGain.mjGAIN_DCMOTOR
         if not dc_motor or compiled.actuator_ctrlnum[motor.id] != 2:

@@ -218,6 +218,7 @@ def test_a_robot_whose_wheels_are_in_another_order_is_refused(part, line, tmp_pa
         ("<worldbody>", "<worldbody", "cannot be read"),
         ('condim="3"', 'condom="3"', "unrecognized attribute: 'condom'"),
         ('controller="0 0 0.5 0 0 24"', 'controller="0 0 x"', "cannot be read"),
+        ('joint="rear_left"', 'joint="other"', "actuator 'rear_left' moves no joint of the robot"),
         ('input="vel ff"', 'input="vel"', "actuator 'front_left' must be a dcmotor with input"),
     ],
 )
