@@ -45,11 +45,13 @@ def power(options: argparse.Namespace) -> None:
     from dynabot_mj import study as studies
     from dynabot_mj.experiments.formation import power as experiment
     from dynabot_mj.experiments.formation import power_report
-    from dynabot_mj.study import saved
+    from dynabot_mj.study import dataset, saved
 
     pilot, path = saved.load(options.pilot)
     if missing := studies.missing(pilot):
         raise InputError(f"the study {path} has no {missing[0]}, which its measures need; run it again")
+    if len({part.attrs["duration"] for part in dataset.points(pilot)}) > 1:
+        raise InputError(f"the study {path} is a grid of several durations, a pilot must have one")
     request = experiment.Request(
         a=options.cases[0],
         b=options.cases[1],

@@ -32,6 +32,9 @@ def report(options: argparse.Namespace) -> None:
     study, path = saved.load(options.folder)
     if missing := studies.missing(study):
         raise InputError(f"the study {path} has no {missing[0]}, which a report needs; run it again")
+    if "grid" in study.attrs:
+        count = len(set(study.point.values.tolist()))
+        raise InputError(f"the study {path} is a grid of {count} configurations, a report is of one; see its table.md")
     page: Path = options.out or path.parent / "report.html"
     if page.suffix.lower() != ".html" or page.is_dir():
         raise InputError(f"--out {page} given, it must be a file whose name ends with .html")

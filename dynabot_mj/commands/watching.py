@@ -119,9 +119,7 @@ class StudyWatch(Watch):
         narrow = width < _NARROW
         table = Table(title=self.line(), title_justify="left", box=None, pad_edge=False)
         table.add_column("case", overflow="ellipsis", no_wrap=True, ratio=1)
-        for name in (
-            ("trials", "band 1 m \\[%]") if narrow else ("trials", "per s", "formation \\[s]", "band 1 m \\[%]")
-        ):
+        for name in _NARROW_COLUMNS if narrow else _COLUMNS:
             table.add_column(name, justify="right", no_wrap=True)
         cases = list(self.cases.items())
         room = max(height - _FRAME, 1)

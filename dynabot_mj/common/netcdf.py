@@ -62,15 +62,22 @@ def writing(
     if isinstance(target, Path):
         _require_room(target, sizes, variables)
     with h5netcdf.File(target, "w") as file:
-        file.dimensions = dict(sizes)
-        for name, (dimensions, values, told) in coordinates.items():
+        # In the order of their names, so that a file that is read and written again is the same.
+        file.dimensions = dict(sorted(sizes.items()))
+        for name, (dimensions, values, told) in sorted(coordinates.items()):
             array = np.asarray(values)
             made = _made(file, name, Variable(dimensions, told, array.dtype))
             made[...] = array.astype(object) if array.dtype.kind == "U" else array
         # How NetCDF says which variables are coordinates, of those that share a dimension with them.
-        beside = {name: set(dimensions) for name, (dimensions, _, _) in coordinates.items() if [*dimensions] != [name]}
+        beside = {
+            name: set(dimensions) for name, (dimensions, _, _) in sorted(coordinates.items()) if [*dimensions] != [name]
+        }
         for name, variable in variables.items():
             made = _made(file, name, variable)
+            if all(made.shape) and made.dtype.kind in "fiub":
+                made[(0,) * made.ndim] = (
+                    np.nan if made.dtype.kind == "f" else 0
+                )  # has its place now, whoever is put first
             if near := [other for other, dimensions in beside.items() if dimensions <= set(variable.dimensions)]:
                 made.attrs["coordinates"] = " ".join(near)
         for name, value in attributes.items():

@@ -92,3 +92,14 @@ def test_killed_at_any_moment_it_resumes_to_the_same_bytes(dynabot, started, fol
         done = dynabot(*line, "--out", place, *(["--resume"] if kept else []), cwd=folder)
         assert done.returncode == 0, done.stderr
         assert (place / "study.nc").read_bytes() == whole
+
+
+def test_what_takes_one_configuration_says_so(main, folder):
+    (folder / "grid.toml").write_text(GRID.replace("robots = [2, 3]", "duration = [2.0, 3.0]"))
+    assert main("study", "grid.toml", "--workers", "1", cwd=folder).returncode == 0
+    report = main("report", "out/study", cwd=folder)
+    assert (report.returncode, report.stderr.count("\n")) == (2, 1)
+    assert "is a grid of 4 configurations, a report is of one" in report.stderr
+    power = main("power", "out/study", "--cases", "a", "b", "--measure", "arrival_s", cwd=folder)
+    assert (power.returncode, power.stderr.count("\n")) == (2, 1)
+    assert "is a grid of several durations, a pilot must have one" in power.stderr

@@ -35,7 +35,7 @@ def running(command, polled, tmp_path):
     process = subprocess.Popen(
         [command, *map(str, LINE), str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
-    assert polled(lambda: list(tmp_path.glob(".chunks/*.pickle")))
+    assert polled(lambda: list(tmp_path.glob(".chunks/*.npz")))
     yield process, psutil.Process(process.pid)
     if process.poll() is None:
         process.kill()
@@ -59,7 +59,7 @@ def test_signals_of_batch_systems_end_a_study_as_ctrl_c_does(running, polled, nu
     out, err = process.communicate(timeout=240)
     assert process.returncode == 128 + number
     assert out == ""
-    kept = len(list(tmp_path.glob(".chunks/*.pickle")))
+    kept = len(list(tmp_path.glob(".chunks/*.npz")))
     (told,) = [line for line in err.splitlines() if not line.startswith(("note:", "compare:"))]
     assert told.startswith(f"dynabot: ended by {number.name}; kept {kept} of ")
     assert told.endswith(" parts, --resume continues from them")
@@ -87,7 +87,7 @@ def test_a_worker_that_is_killed_is_one_line_and_its_work_is_not_lost(running, p
     assert lines[0].startswith("dynabot: a worker process died")
     assert "--resume" in lines[0]
     assert polled(lambda: not any(one.is_running() for one in children))
-    assert list(tmp_path.glob(".chunks/*.pickle"))
+    assert list(tmp_path.glob(".chunks/*.npz"))
 
 
 def test_a_script_without_a_main_guard_is_told_what_it_lacks(tmp_path):
@@ -96,7 +96,7 @@ def test_a_script_without_a_main_guard_is_told_what_it_lacks(tmp_path):
         "from dynabot_mj import study\n"
         "from dynabot_mj.study import configuration\n"
         "from dynabot_mj.study.execution import Execution\n"
-        "setup = configuration.build({}, trials=60, duration=1.0, plants=['particle'], estimators=['gps'])\n"
+        "setup = configuration.build({}, trials=300, duration=1.0, plants=['particle'], estimators=['gps'])\n"
         "study.run(setup, Execution(workers=2))\n",
         encoding="utf-8",
     )

@@ -114,3 +114,14 @@ def test_what_is_no_grid_is_told_in_one_line(grid, told):
 def test_an_option_that_the_grid_sets_is_refused():
     with pytest.raises(InputError, match=r"robots given by an option and by the grid of grid.toml; give it once"):
         load({"robots": [3, 5]}, robots=4)
+
+
+@pytest.mark.parametrize("grid", [{}, {"robots": [2, 4]}])
+def test_the_same_content_is_the_same_bytes_whoever_writes_it(grid, tmp_path):
+    made = load(grid)
+    results = execution.execute(dataset.chunks(made), Execution(), Watch())
+    dataset.write(made, results, tmp_path / "chunk_by_chunk.nc")
+    study.save(dataset.whole(made, results), tmp_path / "whole.nc")
+    study.save(study.load(tmp_path / "whole.nc"), tmp_path / "again.nc")
+    one, *others = ((tmp_path / name).read_bytes() for name in ("chunk_by_chunk.nc", "whole.nc", "again.nc"))
+    assert all(other == one for other in others)
