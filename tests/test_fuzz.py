@@ -96,7 +96,7 @@ class Reader:
         if self._process is None:
             self._errors = (self._folder.parent / "errors.txt").open("w+b")
             self._process = subprocess.Popen(
-                [sys.executable, READER],
+                [sys.executable, "-P", READER],  # not with `tests` first, whose folders have the packages' names
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=self._errors,
