@@ -26,6 +26,7 @@ def add(commands: parsers.Commands) -> None:
     command.add_argument("--courses", type=Path, metavar="FILE.toml", help="to tune on (default random ones)")
     parsers.renamed(command, "--scenario", "--courses")
     command.add_argument("--seed", type=int, default=0, help="of the courses (default 0)")
+    parsers.add_workers(command)
 
 
 def tune(options: argparse.Namespace) -> None:
@@ -37,6 +38,7 @@ def tune(options: argparse.Namespace) -> None:
     from dynabot_mj.figures import tracking
     from dynabot_mj.figures.style import save
     from dynabot_mj.host import progress
+    from dynabot_mj.study.execution import Execution
 
     request = experiment.TuningRequest(
         steering="heading" if options.steering == "heading" else "hand_point",
@@ -51,7 +53,7 @@ def tune(options: argparse.Namespace) -> None:
     names = ("tuning.json", "tuning.md", "tuning.png", "parity.png", *_GAINS.values())
     with results.opened(options, "tune-traction", asdict(request), names) as folder:
         with progress.shown("tune") as tell:
-            result = experiment.run(request, tell)
+            result = experiment.run(request, tell, Execution(workers=options.workers))
         parity = models.parity(request.conditions)
         document, text = tune_traction_report.document(result, parity), tune_traction_report.markdown(result, parity)
         name = _GAINS[result.adopted]

@@ -2,13 +2,15 @@
 
 import itertools
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from dynabot_mj.common import intervals
 from dynabot_mj.common.arrays import Array, Progress
+from dynabot_mj.common.columns import Columns
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.common.intervals import Difference
 from dynabot_mj.controllers.design import design_model, tuning
@@ -19,7 +21,8 @@ from dynabot_mj.experiments.vehicle.tracking import FIELD, WELL_RADIUS, Tracking
 from dynabot_mj.plants import scene
 from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.plants.rigid_body import LOCAL_PERIOD
-from dynabot_mj.study import fleet
+from dynabot_mj.study import execution, fleet, provenance
+from dynabot_mj.study.execution import Execution, ShareWatch
 from dynabot_mj.study.provenance import versions
 
 SteeringTable = Literal["hand_point", "heading"]
@@ -31,6 +34,7 @@ PAYLOADS = (0.0, 4.0)  # [kg]
 PERIODS = (0.010, 0.027, 0.036, 0.156)  # T_c [s]
 _TUNING, _VALIDATION = 0, 1  # purposes of random manoeuvres
 _ITERATIONS = 60
+_HERE = Execution()  # in this process
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,12 +118,13 @@ class Result:
         }
 
 
-def run(request: TuningRequest, progress: Progress = lambda share: None) -> Result:
+def run(request: TuningRequest, progress: Progress = lambda share: None, how: Execution = _HERE) -> Result:
     """Tunes, and validates.
 
     Args:
         request: What for.
         progress: Told the share of the work that is done.
+        how: How the validation is executed.
 
     Raises:
         InputError: If there is no such model or gain set, or a value is not allowed.
@@ -132,7 +137,7 @@ def run(request: TuningRequest, progress: Progress = lambda share: None) -> Resu
     solution = tuning.tune(
         task, start, lambda iteration, cost: progress(0.6 * min(1.0, iteration / _ITERATIONS)), _ITERATIONS
     )
-    validation = validate(request, against, solution.gains, lambda share: progress(0.6 + 0.4 * share))
+    validation = validate(request, against, solution.gains, lambda share: progress(0.6 + 0.4 * share), how)
     before, after = (follow(courses, laws(one, request), request.conditions) for one in (against, solution.gains))
     return Result(
         request=request, courses=courses, solution=solution, validation=validation, before=before, after=after
@@ -178,43 +183,86 @@ def laws(gains: Gains, request: TuningRequest) -> LocalLaws:
     return LocalLaws(steering=getattr(gains, request.steering), traction=gains.traction)
 
 
+@dataclass(frozen=True, kw_only=True)
+class ValidationChunk:
+    """The courses of a validation with two gain sets, a payload and a period, an `execution.Chunk`."""
+
+    request: TuningRequest
+    pair: tuple[Gains, Gains]  # before and after
+    frictions: tuple[float, ...]
+    payload: float  # [kg]
+    period: float  # [s]
+    start: int = 0
+
+    @property
+    def label(self) -> str:
+        """Payload and period."""
+        return f"{self.payload:g} kg, {self.period:g} s"
+
+    @property
+    def weight(self) -> float:
+        """They are alike."""
+        return 1.0
+
+    @property
+    def origin(self) -> Mapping[str, Any]:
+        """What the costs depend on."""
+        return {
+            "validation": {"seed": self.request.seed, "steering": self.request.steering},
+            "model": self.request.conditions.model,
+            "gains": [asdict(one) for one in self.pair],
+            "frictions": list(self.frictions),
+            "payload": self.payload,
+            "period": self.period,
+            "computation": provenance.computation(),
+        }
+
+    def run(self, threads: int, progress: Progress) -> Columns:
+        """Returns the cost of each course, (2, frictions, S)."""
+        courses = manoeuvres.sampled(manoeuvres.random(self.request.seed, HELD_OUT, _VALIDATION), DURATION, self.period)
+        conditions = replace(self.request.conditions, payload=self.payload, friction=None)
+        weight, count = design_model.Weights().position, len(self.frictions)
+        # All frictions at once: the courses repeated for each.
+        repeated, friction = _repeated(courses, count), np.repeat(self.frictions, HELD_OUT)
+        costs = [
+            follow(repeated, laws(one, self.request), conditions, friction).cost(weight).reshape(count, -1)
+            for one in self.pair
+        ]
+        return {"cost": np.stack(costs)}
+
+
 def validate(
-    request: TuningRequest, before: Gains, after: Gains, progress: Progress = lambda share: None
+    request: TuningRequest,
+    before: Gains,
+    after: Gains,
+    progress: Progress = lambda share: None,
+    how: Execution = _HERE,
 ) -> Validation:
     """Judges two gain sets in MuJoCo on courses that the tuning did not use, over friction, payload and period.
 
     A course's cost is averaged over the conditions, and the courses are the sample of the interval: conditions of one
     course are not independent.
     """
-    held_out = manoeuvres.random(request.seed, HELD_OUT, _VALIDATION)
-    weight = design_model.Weights().position
-    frictions = sorted({*FRICTIONS, scene.read_robot(request.conditions).vehicle.friction})
+    frictions = tuple(sorted({*FRICTIONS, scene.read_robot(request.conditions).vehicle.friction}))
     payloads = sorted({*PAYLOADS, request.conditions.payload})
     periods = sorted({*PERIODS, request.period})
-    found, costs = [], []
-    for done, (payload, period) in enumerate(itertools.product(payloads, periods)):
-        progress(done / (len(payloads) * len(periods)))
-        courses = manoeuvres.sampled(held_out, DURATION, period)
-        conditions = replace(request.conditions, payload=payload, friction=None)
-        # All frictions at once: the courses repeated for each.
-        repeated, friction = _repeated(courses, len(frictions)), np.repeat(frictions, HELD_OUT)
-        pair = np.stack(
-            [
-                follow(repeated, laws(one, request), conditions, friction).cost(weight).reshape(len(frictions), -1)
-                for one in (before, after)
-            ]
+    chunks = [
+        ValidationChunk(request=request, pair=(before, after), frictions=frictions, payload=payload, period=period)
+        for payload, period in itertools.product(payloads, periods)
+    ]
+    results = execution.execute(chunks, how, ShareWatch(progress))
+    costs = [results[index]["cost"] for index in range(len(chunks))]
+    found = [
+        Condition(
+            friction=value,
+            payload_kg=chunk.payload,
+            period_ms=1e3 * chunk.period,
+            cost_before=float(pair[0, index].mean()),
+            cost_after=float(pair[1, index].mean()),
         )
-        costs.append(pair)
-        for index, value in enumerate(frictions):
-            found.append(
-                Condition(
-                    friction=value,
-                    payload_kg=payload,
-                    period_ms=1e3 * period,
-                    cost_before=float(pair[0, index].mean()),
-                    cost_after=float(pair[1, index].mean()),
-                )
-            )
+        for chunk, pair in zip(chunks, costs, strict=True)
+        for index, value in enumerate(frictions)
+    ]
     cost_before, cost_after = np.concatenate(costs, axis=1).mean(axis=1)
     return Validation(
         conditions=tuple(found),
