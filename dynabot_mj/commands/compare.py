@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from dynabot_mj.commands import parsers, results, studies
+from dynabot_mj.commands import parsers, results, setups, studies
 
 _FILES = (
     "table.md",
@@ -88,7 +88,7 @@ def _draw(comparison: Any, draft: Path) -> None:
 
 
 def _setup(options: argparse.Namespace) -> Any:
-    return studies.build(options, plants=options.plants, estimators=options.estimators, perception=options.perception)
+    return setups.build(options, plants=options.plants, estimators=options.estimators, perception=options.perception)
 
 
 def _sensitivity(options: argparse.Namespace) -> None:
@@ -96,7 +96,7 @@ def _sensitivity(options: argparse.Namespace) -> None:
     from dynabot_mj.experiments.formation import sensitivity
     from dynabot_mj.figures import sensitivity as sensitivity_figure
     from dynabot_mj.figures import style
-    from dynabot_mj.study import campaign, configuration
+    from dynabot_mj.study import campaign, configuration, trial_chunks
 
     setup = sensitivity.prepared(_setup(options))
 
@@ -105,7 +105,10 @@ def _sensitivity(options: argparse.Namespace) -> None:
 
     def kept(folder: Path) -> str:
         return studies.told_kept(
-            [(campaign.single(one.changed(setup)), place(folder, one.name)) for one in sensitivity.readings(setup)]
+            [
+                (trial_chunks.chunks(campaign.single(one.changed(setup))), place(folder, one.name))
+                for one in sensitivity.readings(setup)
+            ]
         )
 
     names = tuple(f"sensitivity.{suffix}" for suffix in ("json", "md", "png"))

@@ -38,7 +38,7 @@ def shared() -> argparse.ArgumentParser:
 
 
 def science() -> argparse.ArgumentParser:
-    """Returns the options that override a configuration; `studies.build` reads them."""
+    """Returns the options that override a configuration; `setups.build` reads them."""
     from dynabot_mj.formation.options import HEADINGS
     from dynabot_mj.plants.options import SENSINGS, STEERINGS
     from dynabot_mj.study.scenario import VELOCITIES

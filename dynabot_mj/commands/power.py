@@ -14,7 +14,7 @@ _FILES = ("power.json", "power.md", "power.png")
 
 def add(commands: parsers.Commands) -> None:
     """Registers the command."""
-    from dynabot_mj.experiments.formation import power as experiment
+    from dynabot_mj.experiments.formation import power_request
     from dynabot_mj.experiments.formation.measures import PAIRED
 
     names = [one.name for one in PAIRED]
@@ -31,7 +31,7 @@ def add(commands: parsers.Commands) -> None:
         help="A - B that matters, in seconds, or in points of per cent (default the pilot's own, which is noisy)",
     )
     command.add_argument(
-        "--power", type=float, default=0.8, help=f"chance to find it, at most {experiment.HIGHEST} (default 0.8)"
+        "--power", type=float, default=0.8, help=f"chance to find it, at most {power_request.HIGHEST} (default 0.8)"
     )
     command.add_argument("--alpha", type=float, default=0.05, help="below which p is a finding (default 0.05)")
     command.add_argument(
@@ -44,7 +44,7 @@ def power(options: argparse.Namespace) -> None:
     """How many trials a difference between two cases needs, from a pilot study."""
     from dynabot_mj import study as studies
     from dynabot_mj.experiments.formation import power as experiment
-    from dynabot_mj.experiments.formation import power_report
+    from dynabot_mj.experiments.formation import power_report, power_request
     from dynabot_mj.study import dataset, saved
 
     pilot, path = saved.load(options.pilot)
@@ -52,12 +52,12 @@ def power(options: argparse.Namespace) -> None:
         raise InputError(f"the study {path} has no {missing[0]}, which its measures need; run it again")
     if len({part.attrs["duration"] for part in dataset.points(pilot)}) > 1:
         raise InputError(f"the study {path} is a grid of several durations, a pilot must have one")
-    request = experiment.Request(
+    request = power_request.Request(
         a=options.cases[0],
         b=options.cases[1],
         **{name: getattr(options, name) for name in ("measure", "difference", "power", "alpha", "comparisons")},
     )
-    measure = experiment.judge(pilot, request)
+    measure = power_request.judge(pilot, request)
     if measure.unit == "points" and request.difference is not None and abs(request.difference) < 1.0:
         points = f"{100.0 * request.difference:g}"
         print(

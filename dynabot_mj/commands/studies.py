@@ -1,4 +1,4 @@
-"""What commands that run a study share: its configuration, the run with progress, and what it leaves behind."""
+"""What commands that run a study share: its folder, the run with progress, and what it leaves behind."""
 
 import argparse
 import contextlib
@@ -12,77 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from dynabot_mj.commands import parsers, results
-from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.host.files import PARTIAL
 from dynabot_mj.host.result_folder import ResultFolder
 
-_VEHICLE = ("model", "friction", "slope", "payload", "steering", "sensing", "gains")
-SCIENCE = (
-    "seed",
-    "robots",
-    "duration",
-    "utilisation",
-    "headings",
-    "velocity",
-    "controller",
-    "trials",
-    *_VEHICLE,
-)  # they override the TOML
-_NONE: Mapping[str, Any] = {}
 _CHUNKS = ".chunks"  # finished parts of a study, until it is complete
 _STUDY, _EXECUTION = "study.nc", "execution.json"
-_OPTIONS = {"implementation": "filters", "first_trial": "trial"}  # that are called otherwise than their keys
 _FILES = (_STUDY, "study.toml", _EXECUTION)  # of every study
-
-
-def build(options: argparse.Namespace, defaults: Mapping[str, Any] = _NONE, **others: Any) -> Any:
-    """Builds the configuration: defaults, then the file, then the options.
-
-    Raises:
-        InputError: If it contradicts itself, or an option does nothing in this study.
-    """
-    from dynabot_mj.study import configuration
-
-    given, typed = overriding(options, **others)
-    if options.config:
-        setup = configuration.load_file(options.config, defaults, typed, **given)
-    else:
-        setup = configuration.build(defaults, typed=typed, **given)
-    look_for_idle(options, setup, typed)
-    return setup
-
-
-def overriding(options: argparse.Namespace, **others: Any) -> tuple[dict[str, Any], dict[str, str]]:
-    """Returns the keys that options override, and what was typed to set each, by the key with its table."""
-    from dynabot_mj.study import configuration
-
-    given = {**{name: getattr(options, name, None) for name in SCIENCE}, **others}
-    tables = configuration.TABLES
-    single = {"estimators": "estimator", "plants": "plant"} if hasattr(options, "estimator") else {}
-    typed = {
-        f"{tables[name]}.{name}" if name in tables else name: f"--{single.get(name) or _OPTIONS.get(name, name)}"
-        for name, value in given.items()
-        if value is not None
-    }
-    return given, typed
-
-
-def look_for_idle(options: argparse.Namespace, setup: Any, typed: Mapping[str, str]) -> None:
-    """Refuses options that do nothing in a study, and says which keys of its file do nothing."""
-    from dynabot_mj.plants.kinds import any_bodies
-    from dynabot_mj.study import idle_keys
-
-    idle = idle_keys.idle(setup)
-    for key, option in typed.items():
-        if why := idle.get(key) or idle.get(key.rpartition(".")[0]):
-            raise InputError(f"{option} given, but {why}")
-    if getattr(options, "threads", 1) > 1 and not any_bodies(setup.plants):
-        raise InputError(f"--threads {options.threads} given, but they are MuJoCo's, and the study has no rigid robots")
-    for why in dict.fromkeys((changed := idle_keys.changed(setup)).values()):
-        keys = ", ".join(key for key, reason in changed.items() if reason == why)
-        print(f"note: {keys} in {options.config}: no effect, since {why}", file=sys.stderr)
-    if not any_bodies(setup.plants) and {"vehicle.model", "vehicle.payload"} & set(typed):
-        print("note: of the vehicle point masses take the mass and the footprint", file=sys.stderr)
 
 
 @contextlib.contextmanager
@@ -100,18 +35,12 @@ def opened(
         names: Patterns of the files that will be written beside those of every study.
         kept: Says which parts a folder keeps, where the study has parts of its own.
     """
-    from dynabot_mj.study import provenance
+    from dynabot_mj.study import provenance, trial_chunks
 
-    told = kept or (lambda folder: told_kept([(made, folder)]))
+    told = kept or (lambda folder: told_kept([(trial_chunks.chunks(made), folder)]))
     depends_on = provenance.depends_on(made.first) | made.grid_values
-    with results.opened(options, name, depends_on, (*_FILES, *names), told) as folder:
-        if options.resume and (found := told(folder.path)):
-            print(f"note: {found}", file=sys.stderr)
-        try:
-            yield folder
-        except BaseException:  # the command's last line tells what outlives it
-            options.kept = told(folder.path)
-            raise
+    with _resumable(options, name, depends_on, (*_FILES, *names), told) as folder:
+        yield folder
 
 
 @contextlib.contextmanager
@@ -130,27 +59,44 @@ def working(
     Yields:
         The folder, and how to execute the chunks.
     """
-    from dynabot_mj.study import execution
+    from dynabot_mj.study import chunk_folder
 
-    def told(folder: Path) -> str:
-        there, whole = execution.kept(chunks, folder / _CHUNKS)
-        return f"kept {there} of {whole} parts" if there else ""
+    with _resumable(options, name, depends_on, names, lambda folder: told_kept([(chunks, folder)])) as folder:
+        how = _execution(options, folder.path)
+        yield folder, how
+        chunk_folder.forget(how.chunks, chunks)
 
+
+@contextlib.contextmanager
+def _resumable(
+    options: argparse.Namespace,
+    name: str,
+    depends_on: Mapping[str, Any],
+    names: Sequence[str],
+    told: Callable[[Path], str],
+) -> Iterator[ResultFolder]:
+    """Opens a folder of results, and says which parts are there to resume, and which an early end leaves."""
     with results.opened(options, name, depends_on, names, told) as folder:
         if options.resume and (found := told(folder.path)):
             print(f"note: {found}", file=sys.stderr)
-        place = folder.path / _CHUNKS
         try:
-            yield (
-                folder,
-                execution.Execution(
-                    workers=options.workers, scheduler=options.scheduler, chunks=place, resume=options.resume
-                ),
-            )
+            yield folder
         except BaseException:  # the command's last line tells what outlives it
             options.kept = told(folder.path)
             raise
-        execution.forget(chunks, place)
+
+
+def _execution(options: argparse.Namespace, folder: Path | None) -> Any:
+    """Returns how a command's work is executed."""
+    from dynabot_mj.study.execution import Execution
+
+    return Execution(
+        workers=options.workers,
+        threads=getattr(options, "threads", 1),
+        scheduler=options.scheduler,
+        chunks=folder / _CHUNKS if folder else None,
+        resume=options.resume,
+    )
 
 
 def again(options: argparse.Namespace, folder: ResultFolder, document: str, text: str) -> bool:
@@ -213,34 +159,27 @@ def run(
         The Dataset and the time that it took [s].
     """
     from dynabot_mj.commands import watching
-    from dynabot_mj.study import dataset, execution
+    from dynabot_mj.study import dataset, execution, layout, trial_chunks
 
     start = time.monotonic()
     if notes:
         _note_loads(made)
-    how = execution.Execution(
-        workers=options.workers,
-        threads=options.threads,
-        scheduler=options.scheduler,
-        chunks=folder / _CHUNKS if folder else None,
-        resume=options.resume,
-    )
+    how = _execution(options, folder)
     with watching.shown(title) as watch:
-        found = execution.execute(dataset.chunks(made), how, watch)
+        found = execution.execute(trial_chunks.chunks(made), how, watch)
     if how.chunks is None:
         return dataset.whole(made, found), time.monotonic() - start
     whole = how.chunks / f"{PARTIAL}{_STUDY}"
-    dataset.write(made, found, whole)
+    layout.write(made, found, whole)
     return dataset.opened(whole), time.monotonic() - start
 
 
-def told_kept(studies: Sequence[tuple[Any, Path]]) -> str:
-    """Says how many parts of studies their folders keep; "" for none."""
-    from dynabot_mj.study import dataset, execution
+def told_kept(work: Sequence[tuple[Sequence[Any], Path]]) -> str:
+    """Says how many chunks of works the folders of their results keep; "" for none."""
+    from dynabot_mj.study import chunk_folder
 
-    counts = [execution.kept(dataset.chunks(made), folder / _CHUNKS) for made, folder in studies]
-    kept, whole = (sum(column) for column in zip(*counts, strict=True))
-    return f"kept {kept} of {whole} parts" if kept else ""
+    kept = sum(chunk_folder.kept(folder / _CHUNKS, chunks) for chunks, folder in work)
+    return f"kept {kept} of {sum(len(chunks) for chunks, _ in work)} parts" if kept else ""
 
 
 @contextlib.contextmanager
@@ -249,8 +188,7 @@ def drafted(
 ) -> Iterator[Path]:
     """Yields a folder for further results beside what every study leaves behind, and keeps them all at once."""
     from dynabot_mj import study
-    from dynabot_mj.study.dataset import chunks
-    from dynabot_mj.study.execution import forget
+    from dynabot_mj.study import chunk_folder, trial_chunks
 
     execution = {
         "command": shlex.join(["dynabot", *sys.argv[1:]]),
@@ -270,7 +208,7 @@ def drafted(
         yield draft
     dataset.close()
     (folder.path / _CHUNKS / f"{PARTIAL}{_STUDY}").unlink(missing_ok=True)
-    forget(chunks(made), folder.path / _CHUNKS)
+    chunk_folder.forget(folder.path / _CHUNKS, trial_chunks.chunks(made))
 
 
 def _wall_s(folder: ResultFolder) -> float:

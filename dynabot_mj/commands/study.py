@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from dynabot_mj.commands import parsers, results, studies
+from dynabot_mj.commands import parsers, results, setups, studies
 
 _FILES = ("table.md", "campaign.json", "campaign.png")
 
@@ -57,9 +57,9 @@ def _campaign(options: argparse.Namespace) -> Any:
 
     if options.config:
         raise InputError(f"--config {options.config} given; study takes its file by itself: dynabot study FILE.toml")
-    given, typed = studies.overriding(options)
+    given, typed = setups.overriding(options)
     made = campaign.load_file(options.file, typed=typed, **given)
     for point in made.points[:1]:
-        studies.look_for_idle(options, point.setup, typed)
+        setups.look_for_idle(options, point.setup, typed)
     grid.check(made, options.over, options.measures or grid.SHOWN, [tuple(pair) for pair in options.pairs or ()])
     return made

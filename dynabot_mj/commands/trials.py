@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from dynabot_mj.commands import parsers, studies
+from dynabot_mj.commands import parsers, setups
 from dynabot_mj.common.exceptions import InputError
 
 _CHOICES = {"plants": "plant", "estimators": "estimator", "perception": "perception"}  # key and option
@@ -53,7 +53,7 @@ def final(recording: Any) -> dict[str, Any]:
 
 def _single(options: argparse.Namespace) -> Any:
     """Builds the configuration of one trial of one case."""
-    setup = studies.build(
+    setup = setups.build(
         options,
         {"plants": ["rigid"], "estimators": ["decoupled"]},
         trials=1,
@@ -75,7 +75,7 @@ def _reproduced(options: argparse.Namespace) -> Any:
     """Builds the configuration of one trial of a saved study."""
     from dynabot_mj.study import dataset, provenance, saved, scenario
 
-    others = {name: name for name in ("config", "plant", "estimator", "perception", "trial", *studies.SCIENCE)}
+    others = {name: name for name in ("config", "plant", "estimator", "perception", "trial", *setups.SCIENCE)}
     others["implementation"] = "filters"
     if given := [option for name, option in others.items() if getattr(options, name, None) is not None]:
         raise InputError(f"--{given[0]} given with --reproduce, which takes everything from the saved study")

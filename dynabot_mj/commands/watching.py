@@ -6,7 +6,6 @@ import sys
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -16,7 +15,8 @@ from rich.table import Table
 from dynabot_mj.common import intervals, tables
 from dynabot_mj.common.columns import Columns
 from dynabot_mj.formation import metrics
-from dynabot_mj.study.execution import Watch
+from dynabot_mj.study.chunk import Chunk
+from dynabot_mj.study.execution import ShareWatch
 
 _LINE_INTERVAL = 15.0  # between two lines where there is no terminal [s]
 _REFRESH = 4.0  # of the terminal, per second
@@ -32,8 +32,7 @@ class _Case:
 
     total: int = 0
     done: int = 0
-    begun: float | None = None  # when the first of its trials came that was not kept
-    fresh: int = 0  # trials since then
+    fresh: int = 0  # of these, those that were not kept
     formed: int = 0  # with the common band at the end
     judged: int = 0
     times: float = 0.0  # sum of the restricted times to formation
@@ -41,47 +40,37 @@ class _Case:
     timed: int = 0
 
 
-class StudyWatch(Watch):
+class StudyWatch(ShareWatch):
     """Keeps count of a study's cases."""
 
     def __init__(self, title: str, clock: Callable[[], float] = time.monotonic) -> None:
+        super().__init__(lambda share: self.changed())
         self.title, self._clock = title, clock
         self.cases: dict[str, _Case] = {}
-        self.kept = 0
-        self._chunks: Sequence[Any] = ()
-        self._weights, self._shares = [0.0], [0.0]
-        self._start, self._free = clock(), 0.0  # weight that was there already
+        self._chunks: Sequence[Chunk] = ()
+        self._kept: set[int] = set()
+        self._start, self._free = clock(), 0.0  # share that was there already
         self.changed: Callable[[], None] = lambda: None
 
-    def begin(self, chunks: Sequence[Any], kept: Collection[int]) -> None:
+    def begin(self, chunks: Sequence[Chunk], kept: Collection[int]) -> None:
         """Counts what is to be done."""
-        self._chunks, self._start, self.kept = chunks, self._clock(), len(kept)  # of trials, all of them
-        self._weights, self._shares = [chunk.weight for chunk in chunks], [0.0] * len(chunks)
-        self._free = sum(self._weights[index] for index in kept)
-        for index, chunk in enumerate(self._chunks):
-            case = self.cases.setdefault(chunk.label, _Case())
-            case.total += len(chunk.trials)
-            if index in kept:
-                self._shares[index] = 1.0
-        self._kept = set(kept)
+        super().begin(chunks, kept)
+        self._chunks, self._start, self._kept = chunks, self._clock(), set(kept)
+        for chunk in chunks:
+            self.cases.setdefault(chunk.label, _Case()).total += chunk.size
+        self._free = sum(self._weights[index] for index in kept) / (sum(self._weights) or 1.0)
 
     def note(self, text: str) -> None:
         """Says it at once."""
         print(f"note: {text}", file=sys.stderr)
 
-    def share(self, index: int, share: float) -> None:
-        """Takes how much of a chunk is done."""
-        self._shares[index] = share
-        self.changed()
-
     def done(self, index: int, columns: Columns) -> None:
         """Adds the trials of a chunk to what its case says."""
-        chunk, self._shares[index] = self._chunks[index], 1.0
-        case, count = self.cases[chunk.label], len(chunk.trials)
-        case.done += count
+        chunk = self._chunks[index]
+        case = self.cases[chunk.label]
+        case.done += chunk.size
         if index not in self._kept:
-            case.begun = self._start if case.begun is None else case.begun
-            case.fresh += count
+            case.fresh += chunk.size
         healthy = ~columns["diverged"].astype(bool)
         band = columns["scores.completion_common"][healthy]
         case.formed += int((band == 1.0).sum())
@@ -90,19 +79,13 @@ class StudyWatch(Watch):
         times = metrics.restricted(columns["scores.formation"], failure, float(columns["time"][-1]))[healthy]
         case.times, case.squares = case.times + float(times.sum()), case.squares + float((times**2).sum())
         case.timed += len(times)
-        self.changed()
-
-    @property
-    def whole(self) -> float:
-        """Share of all the work that is done."""
-        return sum(w * s for w, s in zip(self._weights, self._shares, strict=True)) / (sum(self._weights) or 1.0)
+        super().done(index, columns)
 
     @property
     def left(self) -> float | None:
         """Remaining time by what was done since the start [s]; None where nothing was."""
-        total = sum(self._weights)
-        done = self.whole * total - self._free
-        return (self._clock() - self._start) * (total - self._free - done) / done if done > 0.0 else None
+        done = self.whole - self._free
+        return (self._clock() - self._start) * (1.0 - self.whole) / done if done > 0.0 else None
 
     def rate(self, case: _Case) -> float | None:
         """Trials of a case per second since the start."""
@@ -111,7 +94,7 @@ class StudyWatch(Watch):
 
     def line(self) -> str:
         """Returns all of it in one line."""
-        left, kept = self.left, f", kept {self.kept} of {len(self._chunks)} parts" if self.kept else ""
+        left, kept = self.left, f", kept {len(self._kept)} of {len(self._chunks)} parts" if self._kept else ""
         return f"{self.title}: {100.0 * self.whole:.0f} %{'' if left is None else f', about {left:.0f} s left'}{kept}"
 
     def table(self, width: int, height: int) -> Table:
@@ -144,8 +127,12 @@ def shown(title: str) -> Iterator[StudyWatch]:
         yield watch
     elif sys.stderr.isatty():
         console = Console(stderr=True)
-        with Live(console=console, refresh_per_second=_REFRESH, transient=True) as live:
-            watch.changed = lambda: live.update(watch.table(console.width, console.height))
+        with Live(
+            get_renderable=lambda: watch.table(console.width, console.height),
+            console=console,
+            refresh_per_second=_REFRESH,
+            transient=True,
+        ):
             yield watch
     else:
         last = time.monotonic()

@@ -12,7 +12,7 @@ from dynabot_mj.common.intervals import Hazard, Mean, MeanInterval, Rate
 from dynabot_mj.common.legend import (
     PERCEPTION_NAMES,
 )
-from dynabot_mj.experiments.formation import measures
+from dynabot_mj.experiments.formation import measures, summaries
 from dynabot_mj.experiments.formation.case_rows import CaseRow
 from dynabot_mj.experiments.formation.compare import Comparison
 from dynabot_mj.figures.style import STYLE
@@ -133,14 +133,8 @@ def _legend(rows: Sequence[CaseRow], published: bool) -> list[Patch]:
 
 
 def _bar(found: Mean | MeanInterval | Hazard | Rate | None, scale: float) -> _Bar:
-    """Returns height and whisker lengths of a summary's bar: the standard deviation of a mean that has no interval."""
-    if found is None:
-        return _NOTHING
-    if isinstance(found, Mean):
-        spread = scale * (found.sd or 0.0)
-        return (math.nan if found.mean is None else scale * found.mean, spread, spread)
-    middle = found.mean if isinstance(found, MeanInterval) else found.rate
-    return _whiskers(*(None if value is None else scale * value for value in (middle, found.low, found.high)))
+    """Returns height and whisker lengths of a summary's bar."""
+    return _whiskers(*(None if value is None else scale * value for value in summaries.span(found)))
 
 
 def _whiskers(middle: float | None, low: float | None, high: float | None) -> _Bar:

@@ -13,7 +13,7 @@ from matplotlib.transforms import Affine2D
 from dynabot_mj.common.arrays import Array
 from dynabot_mj.estimation.measurements import rotation, wrap
 from dynabot_mj.experiments.estimators import circle
-from dynabot_mj.experiments.estimators.circle import Chunk, CircleOutcome
+from dynabot_mj.experiments.estimators.circle import CircleOutcome, Runs
 from dynabot_mj.figures.style import STYLE
 from dynabot_mj.perception import methods
 
@@ -119,7 +119,7 @@ def _draw_paths(axis: Axes, outcome: CircleOutcome, name: str) -> float:
     return farthest
 
 
-def _errors(chunk: Chunk, name: str) -> tuple[tuple[Array, Array], ...]:
+def _errors(chunk: Runs, name: str) -> tuple[tuple[Array, Array], ...]:
     """Returns errors and believed deviations of x, y [m] and heading [deg], each (N,); NaN where nothing is known."""
     track, truth = chunk.tracks[name], chunk.truth
     unknown = np.where(track.known[:, _RUN], 0.0, np.nan)
@@ -133,7 +133,7 @@ def _errors(chunk: Chunk, name: str) -> tuple[tuple[Array, Array], ...]:
     )
 
 
-def _largest(chunk: Chunk) -> Array:
+def _largest(chunk: Runs) -> Array:
     """Returns what each row of panels has to reach, (3,): all errors, and the bounds once the filters have settled."""
     shown = [
         [

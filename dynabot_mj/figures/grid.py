@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import matplotlib.pyplot as plt
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from dynabot_mj.common.intervals import Mean
 from dynabot_mj.experiments.formation import grid as experiment
-from dynabot_mj.experiments.formation.grid import Grid, GridRow
+from dynabot_mj.experiments.formation import summaries
+from dynabot_mj.experiments.formation.grid import Grid
 from dynabot_mj.figures.style import STYLE
 from dynabot_mj.perception import methods
 from dynabot_mj.plants.kinds import KINDS
@@ -38,7 +38,7 @@ def grid(found: Grid) -> Figure:
             layout="constrained",
         )
         for column, value in enumerate(across if second else []):
-            axes[0, column].set_title(f"{second[0]} {_text(value)}", fontsize=10)
+            axes[0, column].set_title(f"{second[0]} {experiment.text(value)}", fontsize=10)
         for line, name in zip(axes, found.shown, strict=True):
             measure = experiment.measure(name)
             for axis, value in zip(line, across, strict=True):
@@ -49,7 +49,7 @@ def grid(found: Grid) -> Figure:
                         if experiment.case_name(row, found) == case and (not second or row.at(second[0]) == value)
                     ]
                     x = [places[str(row.at(first))] + 0.012 * (index - (len(names) - 1) / 2.0) for row in rows]
-                    _draw(axis, x, [_interval(row, name, measure.scale) for row in rows], case, looks[case])
+                    _draw(axis, x, [_scaled(row.row.measured[name], measure.scale) for row in rows], case, looks[case])
             line[0].set_ylabel(experiment.title(measure))
             top = 1.06 * line[0].get_ylim()[1]
             line[0].set_ylim(-0.03 * top, top)  # markers at zero are whole
@@ -113,25 +113,13 @@ def _places(levels: Sequence[Any]) -> tuple[dict[str, float], tuple[list[float],
     span = (max(levels) - min(levels)) or 1.0 if numbers else 1.0
     least = min(levels) if numbers else 0.0
     at = [(one - least) / span if numbers else index / max(len(levels) - 1, 1) for index, one in enumerate(levels)]
-    return dict(zip(map(str, levels), at, strict=True)), (at, [_text(one) for one in levels])
+    return dict(zip(map(str, levels), at, strict=True)), (at, [experiment.text(one) for one in levels])
 
 
 def _numbers(levels: Sequence[Any]) -> bool:
     return all(isinstance(one, int | float) for one in levels) and len(levels) > 1
 
 
-def _interval(row: GridRow, name: str, scale: float) -> tuple[float | None, float | None, float | None]:
-    found = row.row.measured[name]
-    if found is None:
-        return None, None, None
-    middle = getattr(found, "mean", None) if hasattr(found, "mean") else found.rate
-    if isinstance(found, Mean):
-        spread = found.sd
-        low, high = (None, None) if middle is None or spread is None else (middle - spread, middle + spread)
-    else:
-        low, high = found.low, found.high
-    return tuple(None if one is None or not np.isfinite(one) else scale * one for one in (middle, low, high))  # type: ignore[return-value]
-
-
-def _text(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
+def _scaled(found: Any, scale: float) -> list[float | None]:
+    """Returns the value of a summary, and where it is from and to."""
+    return [None if one is None else scale * one for one in summaries.span(found)]

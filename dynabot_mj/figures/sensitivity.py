@@ -3,10 +3,8 @@
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
-from dynabot_mj.common.intervals import Mean
-from dynabot_mj.experiments.formation import measures
-from dynabot_mj.experiments.formation.case_rows import CaseRow
-from dynabot_mj.experiments.formation.sensitivity import Sensitivity, value
+from dynabot_mj.experiments.formation import measures, summaries
+from dynabot_mj.experiments.formation.sensitivity import Sensitivity
 from dynabot_mj.figures.style import STYLE
 from dynabot_mj.perception import methods
 
@@ -23,7 +21,9 @@ def sensitivity(result: Sensitivity) -> Figure:
             for place, found in enumerate(result.found):
                 for row in found.rows:
                     shift = 0.22 * (estimators.index(row.estimator) - (len(estimators) - 1) / 2.0)
-                    middle, low, high = (None if x is None else measure.scale * x for x in _interval(row, measure.name))
+                    middle, low, high = (
+                        None if x is None else measure.scale * x for x in summaries.span(row.measured[measure.name])
+                    )
                     if middle is None:
                         continue
                     look = {"color": methods.colour(row.estimator)}
@@ -45,13 +45,3 @@ def sensitivity(result: Sensitivity) -> Figure:
             fontsize=11,
         )
     return figure
-
-
-def _interval(row: CaseRow, metric: str) -> tuple[float | None, float | None, float | None]:
-    """Returns the value of a measure and where it is from and to: a standard deviation of a mean without interval."""
-    found, middle = row.measured[metric], value(row, metric)
-    if not isinstance(found, Mean):
-        return middle, found.low, found.high
-    if middle is None or found.sd is None:
-        return middle, None, None
-    return middle, middle - found.sd, middle + found.sd

@@ -14,15 +14,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from dynabot_mj.common import trees
 from dynabot_mj.common.exceptions import InputError
-from dynabot_mj.common.trees import flat
 from dynabot_mj.host import files
 
 WAIT = 10.0  # for another command that works in the folder [s]
 
 _LIST = ".results"
 _LOCK = ".lock"
-_TOLD = 3  # differences that a message names
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,20 +157,15 @@ def different(earlier: Contents, contents: Contents) -> str:
     """Says what a folder holds in place of the results that are asked for."""
     if earlier.command != contents.command:
         return f"results of {earlier.command or 'another version'}"
-    found = difference(earlier, contents)
-    told = ", ".join(f"{name} {there} there and {here} here" for name, (there, here) in list(found.items())[:_TOLD])
-    more = f", and {len(found) - _TOLD} more" if len(found) > _TOLD else ""
-    return f"another {earlier.command} ({told}{more})"
+    return f"another {earlier.command} ({trees.told(difference(earlier, contents))})"
 
 
 def difference(earlier: Contents, contents: Contents) -> dict[str, tuple[Any, Any]]:
     """Returns in what two differ, by dotted name; empty where they are alike."""
     if earlier.command != contents.command:
         return {"command": (earlier.command, contents.command)}
-    there, here = (dict(flat(json.loads(json.dumps(one.options)))) for one in (earlier, contents))
-    names = [*here, *(name for name in there if name not in here)]
-    found = {name: (there.get(name, "none"), here.get(name, "none")) for name in names}
-    return {name: (one, other) for name, (one, other) in found.items() if one != other}
+    there, here = (json.loads(json.dumps(one.options)) for one in (earlier, contents))
+    return trees.differences(there, here)
 
 
 def _any_matches(name: str, patterns: Sequence[str]) -> bool:

@@ -1,29 +1,22 @@
 """How long work is done: in chunks, on processes of this machine or on a cluster, interrupted and resumed.
 
-A chunk is whatever can be computed by itself, such as a range of trials of one case. Its result depends on what its
-`origin` says alone, so neither the size of the work, nor the number of workers or threads, nor the order in which
-chunks finish, nor an interruption changes a single bit. Finished chunks are files of columns, see `chunk_files`.
+The result of a chunk depends on what its `origin` says alone, so neither the size of the work, nor the number of
+workers or threads, nor the order in which chunks finish, nor an interruption changes a single bit.
 """
 
 import concurrent.futures
 import contextlib
 import functools
-import hashlib
-import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
 
 from dynabot_mj.common.arrays import Progress
 from dynabot_mj.common.columns import Columns
-from dynabot_mj.common.exceptions import InputError
-from dynabot_mj.common.trees import flat
 from dynabot_mj.host import files, opengl, processes
-from dynabot_mj.study import chunk_files, provenance
-from dynabot_mj.study.chunk_files import DamagedError
-
-_TOLD = 3  # differences that a message names
+from dynabot_mj.study import chunk_folder, cluster, provenance
+from dynabot_mj.study.chunk import Chunk
+from dynabot_mj.study.chunk_folder import Results
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,34 +44,6 @@ class Execution:
     resume: bool = False
 
 
-class Chunk(Protocol):
-    """A unit of work, which can be sent to another process."""
-
-    @property
-    def label(self) -> str:
-        """Whose part it is, such as a case."""
-        ...
-
-    @property
-    def start(self) -> int:
-        """Where in it: the number of the first trial."""
-        ...
-
-    @property
-    def weight(self) -> float:
-        """Rough seconds of work, for the estimate of the remaining time and the order of the chunks."""
-        ...
-
-    @property
-    def origin(self) -> Mapping[str, Any]:
-        """What the result depends on, as plain values: equal origins, equal results."""
-        ...
-
-    def run(self, threads: int, progress: Progress) -> Columns:
-        """Does it."""
-        ...
-
-
 class Watch:
     """Is told how the work goes, and does nothing about it."""
 
@@ -100,42 +65,28 @@ class ShareWatch(Watch):
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress
-        self._weights, self._shares = [0.0], [0.0]
+        self._weights: list[float] = []
+        self._shares: list[float] = []
+        self._done = 0.0  # weight
 
     def begin(self, chunks: Sequence[Chunk], kept: Collection[int]) -> None:
         """Weighs the chunks."""
-        self._weights = [chunk.weight for chunk in chunks]
-        self._shares = [0.0] * len(chunks)
+        self._weights, self._shares, self._done = [chunk.weight for chunk in chunks], [0.0] * len(chunks), 0.0
 
     def share(self, index: int, share: float) -> None:
         """Tells of a chunk that goes on."""
+        self._done += self._weights[index] * (share - self._shares[index])
         self._shares[index] = share
-        done = sum(w * s for w, s in zip(self._weights, self._shares, strict=True))
-        self._progress(done / sum(self._weights))
+        self._progress(self.whole)
 
     def done(self, index: int, columns: Columns) -> None:
         """Tells of a chunk that is whole."""
         self.share(index, 1.0)
 
-
-class Results:
-    """Of all chunks by their index: in memory, or, so that memory does not grow with the work, in files."""
-
-    def __init__(self, folder: Path | None, names: Sequence[str]) -> None:
-        self._folder, self._names = folder, names
-        self._here: dict[int, Columns] = {}
-
-    def __getitem__(self, index: int) -> Columns:
-        if self._folder is None:
-            return self._here[index]
-        return chunk_files.parse((self._folder / self._names[index]).read_bytes())[0]
-
-    def put(self, index: int, columns: Columns, origin: Mapping[str, Any]) -> None:
-        """Takes the result of a chunk."""
-        if self._folder is None:
-            self._here[index] = columns
-        else:
-            files.write(self._folder / self._names[index], chunk_files.content(columns, origin))
+    @property
+    def whole(self) -> float:
+        """Share of all the work that is done."""
+        return min(self._done / (sum(self._weights) or 1.0), 1.0)
 
 
 class CancelledError(Exception):
@@ -153,14 +104,14 @@ def execute(chunks: Sequence[Chunk], how: Execution, watch: Watch) -> Results:
     Raises:
         InputError: If there is nothing of this work to resume, or the cluster cannot do it.
     """
-    results = Results(how.chunks, _names(chunks) if how.chunks else ())
+    results = Results(chunks, how.chunks)
     there: set[int] = set()
     notes: list[str] = []
     if how.chunks is not None:
         how.chunks.mkdir(parents=True, exist_ok=True)
         files.sweep(how.chunks)
         if how.resume:
-            there, notes = _whole(how.chunks, chunks)
+            there, notes = chunk_folder.whole(how.chunks, chunks)
     watch.begin(chunks, there)
     for note in notes:
         watch.note(note)
@@ -168,78 +119,9 @@ def execute(chunks: Sequence[Chunk], how: Execution, watch: Watch) -> Results:
         watch.done(index, results[index])
     todo = {index: chunk for index, chunk in enumerate(chunks) if index not in there}
     for index, columns in _execute(todo, how, watch):
-        results.put(index, columns, chunks[index].origin)
+        results.put(index, columns)
         watch.done(index, columns)
     return results
-
-
-def forget(chunks: Sequence[Chunk], folder: Path) -> None:
-    """Deletes finished chunks, and the folder where it holds nothing else."""
-    for name in _names(chunks):
-        (folder / name).unlink(missing_ok=True)
-    with contextlib.suppress(OSError):
-        folder.rmdir()
-
-
-def kept(chunks: Sequence[Chunk], folder: Path) -> tuple[int, int]:
-    """Returns how many of some chunks a folder keeps, and how many there are."""
-    present = {file.name for file in folder.iterdir()} if folder.is_dir() else set()
-    return sum(name in present for name in _names(chunks)) if present else 0, len(chunks)
-
-
-def _names(chunks: Sequence[Chunk]) -> list[str]:
-    """Returns the names of chunks' files: whatever changes a result changes its name."""
-    found = []
-    for chunk in chunks:
-        key = hashlib.sha256(json.dumps(chunk.origin, sort_keys=True).encode()).hexdigest()[:16]
-        label = "".join(letter if letter.isalnum() or letter in "-_.=" else "-" for letter in chunk.label)
-        found.append(f"{label[:100]}-{chunk.start}-{key}{chunk_files.SUFFIX}")
-    return found
-
-
-def _whole(folder: Path, chunks: Sequence[Chunk]) -> tuple[set[int], list[str]]:
-    """Returns which chunks a folder has whole, and what is to be said of its other files.
-
-    Raises:
-        InputError: If it has parts of other work alone.
-    """
-    names = {name: index for index, name in enumerate(_names(chunks))}
-    whole, damaged, foreign = set(), [], []
-    for file in sorted(folder.glob(f"*{chunk_files.SUFFIX}")):
-        try:
-            _, origin = chunk_files.parse(file.read_bytes())
-        except DamagedError as error:
-            damaged.append(f"{file.name} is damaged ({error})")
-            continue
-        index = names.get(file.name)
-        if index is not None and origin == _plain(chunks[index].origin):
-            whole.add(index)
-        else:
-            nearest = chunks[index or 0].origin
-            foreign.append(f"{file.name} ({_differing(origin, _plain(nearest))})")
-    if foreign and not whole and not damaged:
-        raise InputError(
-            f"{folder} holds parts of another study (or of another version): {foreign[0]}; run without --resume"
-        )
-    notes = [f"{one}; it is computed again" for one in damaged]
-    if foreign:
-        more = f" and {len(foreign) - 1} more" if len(foreign) > 1 else ""
-        notes.append(f"not of this study and not used: {foreign[0]}{more}")
-    return whole, notes
-
-
-def _plain(origin: Mapping[str, Any]) -> Any:
-    return json.loads(json.dumps(origin))
-
-
-def _differing(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
-    """Says in what two origins differ."""
-    one, other = dict(flat(there)), dict(flat(here))
-    names = [name for name in {**one, **other} if one.get(name) != other.get(name)]
-    told = ", ".join(
-        f"{name} {one.get(name, 'nothing')} there and {other.get(name, 'nothing')} here" for name in names[:_TOLD]
-    )
-    return told + (f", and {len(names) - _TOLD} more" if len(names) > _TOLD else "")
 
 
 def _execute(todo: Mapping[int, Chunk], how: Execution, watch: Watch) -> Iterator[tuple[int, Columns]]:
@@ -253,7 +135,7 @@ def _execute(todo: Mapping[int, Chunk], how: Execution, watch: Watch) -> Iterato
         executor: concurrent.futures.Executor
         expected = None
         if how.scheduler is not None:
-            executor, expected = stack.enter_context(_cluster(how.scheduler)), provenance.computation()
+            executor, expected = stack.enter_context(cluster.connected(how.scheduler)), provenance.computation()
         else:
             executor = stack.enter_context(processes.pool(min(how.workers, len(todo)), reports, stop))
         # Long chunks first, so that no worker is left with one at the end.
@@ -274,45 +156,11 @@ def _execute(todo: Mapping[int, Chunk], how: Execution, watch: Watch) -> Iterato
             raise
 
 
-@contextlib.contextmanager
-def _cluster(address: str) -> Iterator[concurrent.futures.Executor]:
-    """Yields an executor on the workers of a Dask cluster, all of which compute as this process does.
-
-    Raises:
-        InputError: If there is no such cluster, it has no workers, or they would compute something else.
-    """
-    try:
-        import distributed
-    except ImportError as error:
-        raise InputError("--scheduler needs Dask: pip install 'dynabot-mj[cluster]'") from error
-    try:
-        client = distributed.Client(address, timeout=10)
-    except (OSError, ValueError) as error:
-        raise InputError(f"no Dask scheduler answers at {address!r}") from error
-    with client:
-        here = provenance.computation()
-        try:
-            found = client.run(provenance.computation)
-        except OSError:
-            raise
-        except Exception as error:  # of any kind: that of a worker which cannot import us is a bare one of its text
-            why = str(error) or type(error).__name__
-            raise InputError(
-                f"the Dask workers at {address!r} cannot say by what they compute; can they import dynabot_mj? {why}"
-            ) from error
-        if not found:
-            raise InputError(f"the Dask scheduler at {address!r} has no workers; start some: dask worker {address}")
-        for worker, there in found.items():
-            if there != here:
-                raise InputError(f"the Dask worker {worker} would compute otherwise: {_differing(there, here)}")
-        yield client.get_executor()
-
-
 def _run(index: int, chunk: Chunk, threads: int, expected: Mapping[str, str] | None) -> Columns:
     """Does a chunk in a worker."""
     reported = 0.0
-    if expected is not None and (here := provenance.computation()) != expected:  # a worker that has joined since
-        raise InputError(f"a Dask worker would compute otherwise: {_differing(here, expected)}")
+    if expected is not None:  # of a cluster, which workers may have joined since
+        cluster.require_alike("a Dask worker", provenance.computation(), expected)
 
     def tell_parent(share: float) -> None:
         nonlocal reported

@@ -48,10 +48,7 @@ def merged(given: Any) -> Any:
     defaults: dict[str, dict[str, Any]] = {
         name: {one.name: getattr(row, one.name) for one in fields(Method)} for name, row in BUILT_IN.items()
     }
-    rows = {
-        name: {**defaults.get(name, GAINS), **row} if isinstance(row, Mapping) else row for name, row in given.items()
-    }
-    return {**defaults, **rows}
+    return {**defaults, **{name: _filled(defaults.get(name, GAINS), row) for name, row in given.items()}}
 
 
 def own(given: Any) -> Any:

@@ -38,6 +38,7 @@ from dynabot_mj.sensing.ground_truth import GroundTruth
 from dynabot_mj.sensing.options import SensorOptions
 from dynabot_mj.sensing.replay import Samples, Track
 from dynabot_mj.study import configuration, execution, methods, provenance
+from dynabot_mj.study.chunk import Chunk
 from dynabot_mj.study.execution import Execution, ShareWatch
 from dynabot_mj.study.methods import Method
 
@@ -73,7 +74,7 @@ class CircleRequest:
 
 
 @plain_dataclass(frozen=True, kw_only=True)
-class Chunk:
+class Runs:
     """Some runs and what the estimators made of them."""
 
     first: int  # index of the first sample that counts
@@ -91,7 +92,7 @@ class CircleOutcome:
     request: CircleRequest
     scores: dict[str, EstimationScores]  # of all runs
     restarts: dict[str, int]  # of the estimators' filters, in all runs
-    example: Chunk  # that of the first run
+    example: Runs  # that of the first run
 
 
 def request(tree: Mapping[str, Any], origin: str = "options", **options: Any) -> CircleRequest:
@@ -133,54 +134,41 @@ def dump(asked: CircleRequest) -> str:
     return configuration.toml(asked)
 
 
-@plain_dataclass(frozen=True, kw_only=True)
-class RunsChunk:
-    """Some runs, an `execution.Chunk`."""
-
-    asked: CircleRequest
-    start: int  # number of the first
-    count: int
-
-    @property
-    def label(self) -> str:
-        """All runs are of one kind."""
-        return "circle"
-
-    @property
-    def weight(self) -> float:
-        """By their number."""
-        return float(self.count)
-
-    @property
-    def origin(self) -> Mapping[str, Any]:
-        """What the scores depend on."""
-        asked = {key: value for key, value in tomllib.loads(dump(self.asked)).items() if key != "runs"}
-        files = {name: own.filter for name, own in (self.asked.method or {}).items() if own.filter}
-        return {
-            "circle": asked,
-            "inputs": provenance.digests(
-                {name: file for name, path in files.items() if (file := estimators.source(name, path))}
-            ),
-            "computation": provenance.computation(),
-            "runs": [self.start, self.start + self.count],
-        }
-
-    def run(self, threads: int, progress: Progress) -> Columns:
-        """Drives and follows them, on one thread."""
-        found = follow(self.asked, self.start, self.count, progress)
-        told: dict[str, Any] = {}
-        for name in self.asked.estimators:
-            told |= {f"{name}.{key}": values for key, values in columns.flatten(found.scores[name]).items()}
-            told[f"{name}.restarts"] = found.tracks[name].restarts.sum()
-        return told
-
-
-def chunks(asked: CircleRequest) -> list[RunsChunk]:
+def chunks(asked: CircleRequest) -> list[Chunk]:
     """Returns the work: the runs in chunks of fixed size."""
-    return [
-        RunsChunk(asked=asked, start=start, count=min(CHUNK, asked.runs - start))
-        for start in range(0, asked.runs, CHUNK)
-    ]
+    found = []
+    for start in range(0, asked.runs, CHUNK):
+        count = min(CHUNK, asked.runs - start)
+        found.append(
+            Chunk(
+                label="circle",
+                start=start,
+                size=count,
+                weight=float(count),
+                inputs={**_shared(asked), "runs": [start, start + count]},
+                work=_followed,
+                arguments=(asked, start, count),
+            )
+        )
+    return found
+
+
+def _shared(asked: CircleRequest) -> dict[str, Any]:
+    """Returns what scores depend on beside their runs."""
+    own = {name: row.filter for name, row in (asked.method or {}).items() if row.filter}
+    files = {name: file for name, path in own.items() if (file := estimators.source(name, path))}
+    tree = {key: value for key, value in tomllib.loads(dump(asked)).items() if key != "runs"}
+    return {"circle": tree, "inputs": provenance.digests(files)}
+
+
+def _followed(asked: CircleRequest, start: int, count: int, *, threads: int, progress: Progress) -> Columns:
+    """Returns the scores of some runs, and the restarts of their estimators."""
+    found = follow(asked, start, count, progress)
+    told: dict[str, Any] = {}
+    for name in asked.estimators:
+        told |= {f"{name}.{key}": values for key, values in columns.flatten(found.scores[name]).items()}
+        told[f"{name}.restarts"] = found.tracks[name].restarts.sum()
+    return told
 
 
 def run(asked: CircleRequest, progress: Progress = lambda share: None, how: Execution = _HERE) -> CircleOutcome:
@@ -206,7 +194,7 @@ def run(asked: CircleRequest, progress: Progress = lambda share: None, how: Exec
     )
 
 
-def follow(asked: CircleRequest, begin: int, count: int, progress: Progress = lambda share: None) -> Chunk:
+def follow(asked: CircleRequest, begin: int, count: int, progress: Progress = lambda share: None) -> Runs:
     """Drives some runs, records their sensors and follows the record with every estimator.
 
     Args:
@@ -230,7 +218,7 @@ def follow(asked: CircleRequest, begin: int, count: int, progress: Progress = la
         tracks[name] = replay.follow(samples, estimator, consistency.collect)
         scores[name], fits[name] = estimation_scores.judge(asked.path, tracks[name], truth, consistency, first)
         progress(driving + (1.0 - driving) * (index + 1) / len(asked.estimators))
-    return Chunk(first=first, truth=truth, samples=samples, tracks=tracks, fits=fits, scores=scores)
+    return Runs(first=first, truth=truth, samples=samples, tracks=tracks, fits=fits, scores=scores)
 
 
 def _drive(asked: CircleRequest, begin: int, count: int, progress: Progress) -> GroundTruth:

@@ -153,7 +153,7 @@ def case_name(one: GridRow, grid: Grid) -> str:
     """Returns what tells a case from others at the same values of the factors that are shown."""
     names = [name for name in ("plant", "perception", "estimator", *grid.factors) if name not in grid.over]
     varying = [name for name in names if len({str(other.at(name)) for other in grid.rows}) > 1]
-    told = (str(one.at(name)) if name in FACTORS else f"{name} {_text(one.at(name))}" for name in varying)
+    told = (str(one.at(name)) if name in FACTORS else f"{name} {text(one.at(name))}" for name in varying)
     return ", ".join(part for part in told if part and part != "None")
 
 
@@ -171,7 +171,7 @@ def _all(grid: Grid) -> Table:
     header = [*grid.factors, *FACTORS, *(column.header for _, column in shown), "overturned, diverged"]
     body = [
         [
-            *(_text(one.values[name]) for name in grid.factors),
+            *(text(one.values[name]) for name in grid.factors),
             *(str(one.at(name) or "") for name in FACTORS),
             *(column.text(one.row.measured[measure.name]) for measure, column in shown),
             f"{'-' if one.row.overturned is None else one.row.overturned}, {one.row.diverged}",
@@ -191,7 +191,7 @@ def _pivot(grid: Grid, name: str) -> Table:
     first, *second = grid.over
     one = measure(name)
     column = one.columns[0] if one.columns else None
-    text = column.text if column else lambda found: _plain(found)
+    cell = column.text if column else _plain
     across = levels(grid, second[0]) if second else [None]
     body = []
     for case in dict.fromkeys(case_name(row, grid) for row in grid.rows):
@@ -200,10 +200,10 @@ def _pivot(grid: Grid, name: str) -> Table:
             cells = []
             for value in across:
                 match = [row for row in here if not second or row.at(second[0]) == value]
-                cells.append(text(match[0].row.measured[name]) if match else "")
+                cells.append(cell(match[0].row.measured[name]) if match else "")
             if any(cells):
-                body.append([case, _text(level), *cells])
-    header = ["", first, *([f"{second[0]} {_text(value)}" for value in across] if second else [title(one)])]
+                body.append([case, text(level), *cells])
+    header = ["", first, *([f"{second[0]} {text(value)}" for value in across] if second else [title(one)])]
     return Table(title=f"{title(one)} over {' and '.join(grid.over)}", header=header, body=body)
 
 
@@ -242,9 +242,9 @@ def _told(one: GridRow, other: GridRow, grid: Grid) -> tuple[str, str]:
     for name in varying:
         a, b = one.at(name), other.at(name)
         if a != b:
-            differ.append(f"{name} {_text(a)} - {_text(b)}")
+            differ.append(f"{name} {text(a)} - {text(b)}")
         elif a is not None:
-            shared.append(str(a) if name in FACTORS else f"{name} {_text(a)}")
+            shared.append(str(a) if name in FACTORS else f"{name} {text(a)}")
     return ", ".join(shared), ", ".join(differ)
 
 
@@ -285,7 +285,8 @@ def _compared(
     ]
 
 
-def _text(value: Any) -> str:
+def text(value: Any) -> str:
+    """Returns a value of a factor."""
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

@@ -14,32 +14,16 @@ import xarray as xr
 
 from dynabot_mj.common import intervals
 from dynabot_mj.common.arrays import Array
-from dynabot_mj.common.exceptions import InputError, suggestion
 from dynabot_mj.common.intervals import Difference, Rate
-from dynabot_mj.experiments.formation import paired_tests, power_laws
-from dynabot_mj.experiments.formation.measure import FACTORS, PairedMeasure
+from dynabot_mj.experiments.formation import paired_tests, power_laws, power_request
+from dynabot_mj.experiments.formation.measure import PairedMeasure
 from dynabot_mj.experiments.formation.measures import PAIRED
+from dynabot_mj.experiments.formation.power_request import Request
 
-FEWEST = 10  # pairs of a pilot
-HIGHEST = 0.99  # power, beyond which simulation tells nothing
 _SIMULATED, _EXACT = 13, 50  # numbers of trials whose power is told
 _STUDIES = 2_000  # that they are simulated by
-_ROUNDING = 1e-9
 
 Origin = Literal["given", "pilot", "low", "high"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Request:
-    """What is asked."""
-
-    a: str
-    b: str
-    measure: str
-    difference: float | None = None  # a - b, in the measure's unit; None: the pilot's own
-    power: float = 0.8
-    alpha: float = 0.05
-    comparisons: int = 1  # of the family: Holm's first step holds the smallest p to alpha / comparisons
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,11 +88,11 @@ def planned(study: xr.Dataset, request: Request) -> Plan:
     Raises:
         InputError: If it is nothing that could be told, or the pilot says too little.
     """
-    measure = judge(study, request)
+    measure = power_request.judge(study, request)
     alpha = request.alpha / request.comparisons
     one, other = (study.sel(case=name) for name in (request.a, request.b))
     a, b = measure.values(one), measure.values(other)
-    differences = _differences(measure, request, a, b)
+    differences = power_request.differences(measure, request, a, b)
     if measure.rate:
         estimate = intervals.paired_rates(a, b)
     else:
@@ -146,7 +130,7 @@ class _Law:
             origin=origin,
             difference=difference,
             discordant=discordant,
-            raised=discordant is not None and discordant > self._spread + _ROUNDING,
+            raised=discordant is not None and discordant > self._spread + power_request.ROUNDING,
             pairs=None,
             trials=None,
             power=None,
@@ -194,79 +178,6 @@ class _Law:
         return math.copysign(1.0, difference) * (centred + difference)
 
 
-def judge(study: xr.Dataset, request: Request) -> PairedMeasure[Any]:
-    """Returns the measure of a request that can be answered.
-
-    Raises:
-        InputError: If there is no answer to it in this study.
-    """
-    by_name = {one.name: one for one in PAIRED}
-    if (measure := by_name.get(request.measure)) is None:
-        hint = suggestion(request.measure, by_name)
-        raise InputError(f"--measure {request.measure} given, it must be one of {', '.join(by_name)}{hint}")
-    labels = [str(one) for one in study.case.values]
-    for name in (request.a, request.b):
-        if name not in labels:
-            raise InputError(f"--cases {name} given, the pilot has: {', '.join(labels)}{suggestion(name, labels)}")
-    if request.a == request.b:
-        raise InputError(f"--cases {request.a} given twice, it must be two cases")
-    one, other = (study.sel(case=name) for name in (request.a, request.b))
-    for factor in FACTORS:
-        if one[factor] != other[factor] and factor not in measure.factors:
-            raise InputError(f"--measure {measure.name} given, which is not compared between cases of another {factor}")
-    if not 0.0 < request.alpha < 1.0:
-        raise InputError(f"--alpha {request.alpha:g} given, allowed is 0 < alpha < 1")
-    if request.comparisons < 1:
-        raise InputError(f"--comparisons {request.comparisons} given, it must be at least 1")
-    if not request.alpha < request.power <= HIGHEST:
-        meant = f"; a fraction is meant: {request.power / 100.0:g}?" if 1.0 < request.power < 100.0 else ""
-        allowed = f"it must be above alpha, {request.alpha:g}, and at most {HIGHEST:g}"
-        raise InputError(f"--power {request.power:g} given, {allowed}{meant}")
-    if not measure.rate and request.alpha / request.comparisons <= power_laws.SMALLEST_P:
-        raise InputError(
-            f"--alpha {request.alpha:g} over {request.comparisons} comparisons given, which must be above "
-            f"{power_laws.SMALLEST_P:g}: the permutation test tells no smaller p"
-        )
-    _judge_difference(study, measure, request.difference)
-    _differences(measure, request, measure.values(one), measure.values(other))
-    return measure
-
-
-def _judge_difference(study: xr.Dataset, measure: PairedMeasure[Any], difference: float | None) -> None:
-    if difference is None:
-        return
-    told = f"--difference {difference:g} given"
-    if not math.isfinite(difference) or difference == 0.0:
-        raise InputError(f"{told}, it must be a number of {measure.unit} other than 0")
-    most = {"s": float(study.attrs["duration"]), "points": 100.0}.get(measure.unit, math.inf)
-    if abs(difference) > most:
-        why = "the duration of the pilot's trials" if measure.unit == "s" else "from none to all"
-        raise InputError(f"{told}, allowed are {-most:g} to {most:g} {measure.unit}, {why}")
-
-
-def _differences(measure: PairedMeasure[Any], request: Request, a: Array, b: Array) -> Array:
-    """Returns the pilot's paired differences.
-
-    Raises:
-        InputError: If they say too little.
-    """
-    for name, values in ((request.a, a), (request.b, b)):
-        if not np.isfinite(values).any():
-            raise InputError(f"--measure {measure.name} given, which no trial of {name} has in the pilot")
-    found: Array = (a - b)[np.isfinite(a - b)]
-    if len(found) < FEWEST:
-        raise InputError(
-            f"the pilot has {len(found)} trials with {measure.name} in both cases, it must be at least {FEWEST}"
-        )
-    if request.difference is None and abs(found.mean()) < _ROUNDING:
-        raise InputError("the pilot's own difference is 0, for which no number of trials is enough; give --difference")
-    if not measure.rate and intervals.constant(found):
-        raise InputError(
-            f"{measure.name} differs by the same in all trials of the pilot, whose spread tells no number of trials"
-        )
-    return found
-
-
 def _wanted(study: xr.Dataset, request: Request, estimate: Difference) -> list[tuple[Origin, float]]:
     """Returns the differences whose trials are told: the one that is given, or the pilot's own and its interval."""
     if request.difference is not None:
@@ -299,10 +210,10 @@ def _saved(study: xr.Dataset, measure: PairedMeasure[Any], a: str, b: str) -> Va
     first, second = (measure.values(study.sel(case=name)) for name in (a, b))
     both = np.isfinite(first + second)
     first, second = first[both], second[both]
-    if len(first) < FEWEST:
+    if len(first) < power_request.FEWEST:
         return None
     of_a, of_b, of_difference = (float(values.var(ddof=1)) for values in (first, second, first - second))
-    nothing = of_difference <= _ROUNDING * max(1.0, of_a + of_b)
+    nothing = of_difference <= power_request.ROUNDING * max(1.0, of_a + of_b)
     return Variances(
         a=a,
         b=b,

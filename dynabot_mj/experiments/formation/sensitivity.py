@@ -13,9 +13,8 @@ from typing import Any
 import xarray as xr
 
 from dynabot_mj.common.exceptions import InputError
-from dynabot_mj.common.intervals import Rate
 from dynabot_mj.common.tables import Table
-from dynabot_mj.experiments.formation import case_rows, measures, paired_tests
+from dynabot_mj.experiments.formation import case_rows, measures, paired_tests, summaries
 from dynabot_mj.experiments.formation.case_rows import CaseRow
 from dynabot_mj.experiments.formation.measures import MEASURES
 from dynabot_mj.experiments.formation.paired_tests import Paired
@@ -155,9 +154,7 @@ def examine(setup: Scenario, run: Run) -> Sensitivity:
 
 def value(row: CaseRow, metric: str) -> float | None:
     """Returns what a row says by a measure."""
-    found = row.measured[metric]
-    shown: float | None = found.rate if isinstance(found, Rate) else found.mean
-    return shown
+    return summaries.span(row.measured[metric])[0]
 
 
 def ranking(metric: str, rows: Sequence[CaseRow], differences: Sequence[Paired]) -> str:

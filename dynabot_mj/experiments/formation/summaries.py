@@ -53,6 +53,17 @@ class ContactHazard(Hazard):
     excluded: int | None  # trials with a contact at or before arrival; None: an older study does not tell
 
 
+def span(found: Mean | MeanInterval | Hazard | Rate | None) -> tuple[float | None, float | None, float | None]:
+    """Returns the value of a summary and where it is from and to: mean less and plus sd where it has no interval."""
+    if found is None:
+        return None, None, None
+    if not isinstance(found, Mean):
+        return (found.mean if isinstance(found, MeanInterval) else found.rate), found.low, found.high
+    if found.mean is None or found.sd is None:
+        return found.mean, None, None
+    return found.mean, found.mean - found.sd, found.mean + found.sd
+
+
 def mean(name: str) -> Callable[[xr.Dataset], Mean]:
     """Returns what takes the mean of a variable of a case."""
     return lambda case: intervals.mean(trial_values.variable(case, name))

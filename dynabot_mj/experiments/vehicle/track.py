@@ -4,7 +4,6 @@ On courses of force, on the formation with perfect information at the periods of
 friction.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +19,7 @@ from dynabot_mj.experiments.vehicle.tracking import Tracking
 from dynabot_mj.formation import metrics
 from dynabot_mj.plants.options import SteeringName
 from dynabot_mj.study import configuration, execution, fleet, provenance, scenario
+from dynabot_mj.study.chunk import Chunk
 from dynabot_mj.study.execution import Execution, ShareWatch
 from dynabot_mj.study.scenario import Scenario
 from dynabot_mj.testbed import paper
@@ -104,98 +104,65 @@ class TrackReport:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FormationChunk:
-    """One formation study, an `execution.Chunk`."""
+class _Formation:
+    """One formation study."""
 
     laws: Laws
     setup: Scenario
-    start: int = 0
-
-    @property
-    def label(self) -> str:
-        """Laws, period and friction."""
-        period = scenario.method(self.setup, "perfect").sample_period
-        return f"{self.laws.label}, {period:g} s, friction {self.setup.vehicle.friction}"
-
-    @property
-    def weight(self) -> float:
-        """They are alike."""
-        return 1.0
-
-    @property
-    def origin(self) -> Mapping[str, Any]:
-        """What the outcome depends on."""
-        return {"formation tracking": provenance.depends_on(self.setup), "computation": provenance.computation()}
-
-    def run(self, threads: int, progress: Progress) -> Columns:
-        """Runs it, on one thread."""
-        return columns.flatten(formation_tracking.follow(self.setup, range(self.setup.trials)))
 
 
-@dataclass(frozen=True, kw_only=True)
-class CoursesChunk:
-    """The courses of all kinds with one law, an `execution.Chunk`."""
-
-    laws: Laws
-    seed: int
-    per_kind: int
-    duration: float
-    start: int = 0
-
-    @property
-    def label(self) -> str:
-        """By the law."""
-        return f"courses, {self.laws.label}"
-
-    @property
-    def weight(self) -> float:
-        """Beside a formation's."""
-        return 1.0
-
-    @property
-    def origin(self) -> Mapping[str, Any]:
-        """What the outcome depends on."""
-        return {
-            "courses": {"seed": self.seed, "per_kind": self.per_kind, "duration": self.duration},
-            "vehicle": provenance.depends_on(self._setup),
-            "computation": provenance.computation(),
-        }
-
-    def run(self, threads: int, progress: Progress) -> Columns:
-        """Drives all of one kind, then all of the next."""
-        drawn = manoeuvres.of_each_kind(self.seed, self.per_kind, _PURPOSE)
-        courses = manoeuvres.sampled(drawn, self.duration, COURSE_PERIOD)
-        return columns.flatten(tracking.follow(courses, fleet.local_laws(self._setup)))
-
-    @property
-    def _setup(self) -> Scenario:
-        return configuration.build({"vehicle": {"steering": self.laws.steering, "gains": self.laws.gains}})
-
-
-def chunks(seed: int, trials: int) -> list[FormationChunk | CoursesChunk]:
-    """Returns the work: formations over laws and periods, formations over friction, and courses.
+def chunks(seed: int, trials: int) -> list[Chunk]:
+    """Returns the work: formations over laws and periods, formations over friction, and courses with each law.
 
     Args:
         seed: Of courses and trials.
         trials: Of each formation.
     """
-    return [*_formations(seed, trials), *_courses(seed)]
+    return [*map(_formation_chunk, _formations(seed, trials)), *(_courses_chunk(seed, laws) for laws in LAWS)]
 
 
-def _courses(seed: int) -> list[CoursesChunk]:
-    return [CoursesChunk(laws=laws, seed=seed, per_kind=COURSES_PER_KIND, duration=COURSE_DURATION) for laws in LAWS]
-
-
-def _formations(seed: int, trials: int) -> list[FormationChunk]:
+def _formations(seed: int, trials: int) -> list[_Formation]:
     return [
         *(
-            _chunk(laws, seed, trials, period, row)
+            _formation(laws, seed, trials, period, row)
             for period, row in PERIODS
             for laws in LAWS
             if laws == TUNED or period in COMPARED_PERIODS
         ),
-        *(_chunk(TUNED, seed, trials, COURSE_PERIOD, "perfect", friction) for friction in FRICTIONS),
+        *(_formation(TUNED, seed, trials, COURSE_PERIOD, "perfect", friction) for friction in FRICTIONS),
     ]
+
+
+def _formation_chunk(one: _Formation) -> Chunk:
+    period, friction = scenario.method(one.setup, "perfect").sample_period, one.setup.vehicle.friction
+    return Chunk(
+        label=f"{one.laws.label}, {period:g} s, friction {friction}",
+        inputs={"formation tracking": provenance.depends_on(one.setup)},
+        work=_tracked,
+        arguments=(one.setup,),
+    )
+
+
+def _tracked(setup: Scenario, *, threads: int, progress: Progress) -> Columns:
+    return columns.flatten(formation_tracking.follow(setup, range(setup.trials)))
+
+
+def _courses_chunk(seed: int, laws: Laws) -> Chunk:
+    setup = configuration.build({"vehicle": {"steering": laws.steering, "gains": laws.gains}})
+    courses = {"seed": seed, "per_kind": COURSES_PER_KIND, "duration": COURSE_DURATION}
+    return Chunk(
+        label=f"courses, {laws.label}",
+        inputs={"courses": courses, "vehicle": provenance.depends_on(setup)},
+        work=_driven,
+        arguments=(setup, *courses.values()),
+    )
+
+
+def _driven(setup: Scenario, seed: int, per_kind: int, duration: float, *, threads: int, progress: Progress) -> Columns:
+    """Drives all courses of one kind, then all of the next."""
+    drawn = manoeuvres.of_each_kind(seed, per_kind, _PURPOSE)
+    courses = manoeuvres.sampled(drawn, duration, COURSE_PERIOD)
+    return columns.flatten(tracking.follow(courses, fleet.local_laws(setup)))
 
 
 def run(seed: int, trials: int, how: Execution, progress: Progress = lambda share: None) -> TrackReport:
@@ -227,19 +194,19 @@ def run(seed: int, trials: int, how: Execution, progress: Progress = lambda shar
     )
 
 
-def _chunk(
+def _formation(
     laws: Laws, seed: int, trials: int, period: float, row: str, friction: float | None = None
-) -> FormationChunk:
+) -> _Formation:
     gains = paper.TABLE_III[row]
     vehicle: dict[str, Any] = {"steering": laws.steering, "gains": laws.gains}
     if friction is not None:
         vehicle["friction"] = friction
     method = {"sample_period": period, "alpha_h": gains.alpha_h, "alpha_d": gains.alpha_d}
     tree = {"vehicle": vehicle, "method": {"perfect": method}}
-    return FormationChunk(laws=laws, setup=configuration.build(tree, seed=seed, trials=trials))
+    return _Formation(laws=laws, setup=configuration.build(tree, seed=seed, trials=trials))
 
 
-def _row(task: FormationChunk, outcome: FormationTracking) -> FormationRow:
+def _row(task: _Formation, outcome: FormationTracking) -> FormationRow:
     method, friction = scenario.method(task.setup, "perfect"), task.setup.vehicle.friction
     assert isinstance(method.sample_period, float)
     horizon = scenario.duration(task.setup)

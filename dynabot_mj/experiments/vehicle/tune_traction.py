@@ -2,7 +2,6 @@
 
 import itertools
 import math
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
@@ -22,6 +21,7 @@ from dynabot_mj.plants import scene
 from dynabot_mj.plants.local_laws import LocalLaws
 from dynabot_mj.plants.rigid_body import LOCAL_PERIOD
 from dynabot_mj.study import execution, fleet, provenance
+from dynabot_mj.study.chunk import Chunk
 from dynabot_mj.study.execution import Execution, ShareWatch
 from dynabot_mj.study.provenance import versions
 
@@ -183,52 +183,44 @@ def laws(gains: Gains, request: TuningRequest) -> LocalLaws:
     return LocalLaws(steering=getattr(gains, request.steering), traction=gains.traction)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ValidationChunk:
-    """The courses of a validation with two gain sets, a payload and a period, an `execution.Chunk`."""
+def _validation_chunk(
+    request: TuningRequest, pair: tuple[Gains, Gains], frictions: tuple[float, ...], payload: float, period: float
+) -> Chunk:
+    """Returns the courses with two gain sets, a payload [kg] and a period [s]."""
+    conditions = replace(request.conditions, payload=payload, friction=None)
+    inputs = {
+        "conditions": asdict(conditions),
+        "steering": request.steering,
+        "gains": [asdict(one) for one in pair],
+        "frictions": list(frictions),
+        "period": period,
+        "seed": request.seed,
+    }
+    return Chunk(
+        label=f"{payload:g} kg, {period:g} s",
+        inputs={**inputs, "inputs": provenance.digests({"model": scene.path(conditions.model)})},
+        work=_costs,
+        arguments=(request, pair, frictions, conditions, period),
+    )
 
-    request: TuningRequest
-    pair: tuple[Gains, Gains]  # before and after
-    frictions: tuple[float, ...]
-    payload: float  # [kg]
-    period: float  # [s]
-    start: int = 0
 
-    @property
-    def label(self) -> str:
-        """Payload and period."""
-        return f"{self.payload:g} kg, {self.period:g} s"
-
-    @property
-    def weight(self) -> float:
-        """They are alike."""
-        return 1.0
-
-    @property
-    def origin(self) -> Mapping[str, Any]:
-        """What the costs depend on."""
-        return {
-            "validation": {"seed": self.request.seed, "steering": self.request.steering},
-            "model": self.request.conditions.model,
-            "gains": [asdict(one) for one in self.pair],
-            "frictions": list(self.frictions),
-            "payload": self.payload,
-            "period": self.period,
-            "computation": provenance.computation(),
-        }
-
-    def run(self, threads: int, progress: Progress) -> Columns:
-        """Returns the cost of each course, (2, frictions, S)."""
-        courses = manoeuvres.sampled(manoeuvres.random(self.request.seed, HELD_OUT, _VALIDATION), DURATION, self.period)
-        conditions = replace(self.request.conditions, payload=self.payload, friction=None)
-        weight, count = design_model.Weights().position, len(self.frictions)
-        # All frictions at once: the courses repeated for each.
-        repeated, friction = _repeated(courses, count), np.repeat(self.frictions, HELD_OUT)
-        costs = [
-            follow(repeated, laws(one, self.request), conditions, friction).cost(weight).reshape(count, -1)
-            for one in self.pair
-        ]
-        return {"cost": np.stack(costs)}
+def _costs(
+    request: TuningRequest,
+    pair: tuple[Gains, Gains],
+    frictions: tuple[float, ...],
+    conditions: scene.Conditions,
+    period: float,
+    *,
+    threads: int,
+    progress: Progress,
+) -> Columns:
+    """Returns the cost of each course, (2, frictions, S) [m^2/s^2]."""
+    courses = manoeuvres.sampled(manoeuvres.random(request.seed, HELD_OUT, _VALIDATION), DURATION, period)
+    weight, count = design_model.Weights().position, len(frictions)
+    # All frictions at once: the courses repeated for each.
+    repeated, friction = _repeated(courses, count), np.repeat(frictions, HELD_OUT)
+    costs = [follow(repeated, laws(one, request), conditions, friction).cost(weight).reshape(count, -1) for one in pair]
+    return {"cost": np.stack(costs)}
 
 
 def validate(
@@ -246,21 +238,19 @@ def validate(
     frictions = tuple(sorted({*FRICTIONS, scene.read_robot(request.conditions).vehicle.friction}))
     payloads = sorted({*PAYLOADS, request.conditions.payload})
     periods = sorted({*PERIODS, request.period})
-    chunks = [
-        ValidationChunk(request=request, pair=(before, after), frictions=frictions, payload=payload, period=period)
-        for payload, period in itertools.product(payloads, periods)
-    ]
+    places = list(itertools.product(payloads, periods))
+    chunks = [_validation_chunk(request, (before, after), frictions, payload, period) for payload, period in places]
     results = execution.execute(chunks, how, ShareWatch(progress))
     costs = [results[index]["cost"] for index in range(len(chunks))]
     found = [
         Condition(
             friction=value,
-            payload_kg=chunk.payload,
-            period_ms=1e3 * chunk.period,
+            payload_kg=payload,
+            period_ms=1e3 * period,
             cost_before=float(pair[0, index].mean()),
             cost_after=float(pair[1, index].mean()),
         )
-        for chunk, pair in zip(chunks, costs, strict=True)
+        for (payload, period), pair in zip(places, costs, strict=True)
         for index, value in enumerate(frictions)
     ]
     cost_before, cost_after = np.concatenate(costs, axis=1).mean(axis=1)

@@ -1,4 +1,3 @@
-import argparse
 import os
 import signal
 from dataclasses import replace
@@ -6,10 +5,9 @@ from dataclasses import replace
 import pytest
 
 from dynabot_mj import study
-from dynabot_mj.commands import parsers, studies
-from dynabot_mj.common.exceptions import InputError
+from dynabot_mj.commands import studies
 from dynabot_mj.plants import kinds
-from dynabot_mj.study import campaign
+from dynabot_mj.study import campaign, trial_chunks
 from dynabot_mj.study.execution import Execution
 
 
@@ -34,32 +32,11 @@ def test_ctrl_c_keeps_finished_parts_and_resume_continues(main, started, polled,
     assert not (tmp_path / ".chunks").exists()
 
 
-def parsed(*line):
-    return argparse.ArgumentParser(parents=[parsers.study()]).parse_args(list(line))
-
-
-def test_options_stand_above_the_file_and_the_file_above_the_defaults(tmp_path):
-    (tmp_path / "study.toml").write_text("trials = 7\nseed = 3\n[vehicle]\npayload = 2.0\n")
-    options = parsed("--config", str(tmp_path / "study.toml"), "--seed", "4")
-    setup = studies.build(options, {"trials": 3, "estimators": ["gps"]})
-    assert (setup.trials, setup.seed, setup.vehicle.payload, setup.estimators) == (7, 4, 2.0, ("gps",))
-
-
-def test_options_that_do_nothing_are_refused_and_keys_of_a_file_are_told(tmp_path, capsys):
-    with pytest.raises(InputError, match="--friction given, but the study has point masses alone"):
-        studies.build(parsed("--friction", "0.5"), plants=["particle"])
-    (tmp_path / "study.toml").write_text("plants = ['particle']\n[vehicle]\nfriction = 0.5\ngains = 'first'\n")
-    studies.build(parsed("--config", str(tmp_path / "study.toml")))
-    told = capsys.readouterr().err
-    assert told.startswith(f"note: vehicle.friction, vehicle.gains in {tmp_path / 'study.toml'}: no effect, since ")
-    assert told.count("\n") == 1
-
-
 def test_parts_that_are_kept_are_counted_over_all_studies(short, tmp_path, monkeypatch):
     for name, kind in kinds.KINDS.items():
         monkeypatch.setitem(kinds.KINDS, name, replace(kind, chunk=2))
     brief = replace(short, duration=1.0)
-    told = [(campaign.single(brief), tmp_path / name) for name in "ab"]
+    told = [(trial_chunks.chunks(campaign.single(brief)), tmp_path / name) for name in "ab"]
     assert studies.told_kept(told) == ""
 
     def interrupt(share):

@@ -12,11 +12,11 @@ from dynabot_mj.commands.watching import StudyWatch
 @dataclass
 class Part:
     label: str
-    trials: range
+    size: int
     weight: float
 
 
-PARTS = [Part("a", range(10), 1.0), Part("a", range(10, 20), 1.0), Part("b", range(10), 2.0)]
+PARTS = [Part("a", 10, 1.0), Part("a", 10, 1.0), Part("b", 10, 2.0)]
 
 
 def columns(count, formed):

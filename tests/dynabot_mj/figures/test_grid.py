@@ -3,7 +3,7 @@ import pytest
 from dynabot_mj.experiments.formation import grid as experiment
 from dynabot_mj.figures import grid
 from dynabot_mj.perception import methods
-from dynabot_mj.study import campaign, dataset, execution
+from dynabot_mj.study import campaign, dataset, execution, trial_chunks
 from dynabot_mj.study.execution import Execution, Watch
 
 
@@ -11,7 +11,7 @@ from dynabot_mj.study.execution import Execution, Watch
 def found():
     tree = {"trials": 3, "duration": 35.0, "plants": ["particle"], "estimators": ["perfect", "decoupled"]}
     made = campaign.load({**tree, "grid": {"robots": [2, 3], "start.headings": ["random", "leader"]}}, "grid.toml")
-    whole = dataset.whole(made, execution.execute(dataset.chunks(made), Execution(), Watch()))
+    whole = dataset.whole(made, execution.execute(trial_chunks.chunks(made), Execution(), Watch()))
     return experiment.found(whole, made, shown=["arrival_s", "completion_common"])
 
 

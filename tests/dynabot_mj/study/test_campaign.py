@@ -4,7 +4,7 @@ import xarray as xr
 
 from dynabot_mj import study
 from dynabot_mj.common.exceptions import InputError
-from dynabot_mj.study import campaign, configuration, dataset, execution
+from dynabot_mj.study import campaign, configuration, dataset, execution, layout, trial_chunks
 from dynabot_mj.study.execution import Execution, Watch
 
 BASE = {"trials": 2, "duration": 2.0, "plants": ["particle"], "estimators": ["perfect", "gps"]}
@@ -15,7 +15,7 @@ def load(grid, **options):
 
 
 def run(made, **how):
-    results = execution.execute(dataset.chunks(made), Execution(**how), Watch())
+    results = execution.execute(trial_chunks.chunks(made), Execution(**how), Watch())
     return dataset.whole(made, results)
 
 
@@ -119,8 +119,8 @@ def test_an_option_that_the_grid_sets_is_refused():
 @pytest.mark.parametrize("grid", [{}, {"robots": [2, 4]}])
 def test_the_same_content_is_the_same_bytes_whoever_writes_it(grid, tmp_path):
     made = load(grid)
-    results = execution.execute(dataset.chunks(made), Execution(), Watch())
-    dataset.write(made, results, tmp_path / "chunk_by_chunk.nc")
+    results = execution.execute(trial_chunks.chunks(made), Execution(), Watch())
+    layout.write(made, results, tmp_path / "chunk_by_chunk.nc")
     study.save(dataset.whole(made, results), tmp_path / "whole.nc")
     study.save(study.load(tmp_path / "whole.nc"), tmp_path / "again.nc")
     one, *others = ((tmp_path / name).read_bytes() for name in ("chunk_by_chunk.nc", "whole.nc", "again.nc"))

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from dynabot_mj.common.exceptions import InputError
-from dynabot_mj.study import campaign, dataset, execution, provenance
+from dynabot_mj.study import campaign, execution, layout, provenance, trial_chunks
 
 pytest.importorskip("distributed")
 
@@ -117,8 +117,8 @@ def here(tmp_path):
 
     def content(text):
         made = campaign.parse(text, "here")
-        done = execution.execute(dataset.chunks(made), execution.Execution(), execution.Watch())
-        dataset.write(made, done, tmp_path / "here.nc")
+        done = execution.execute(trial_chunks.chunks(made), execution.Execution(), execution.Watch())
+        layout.write(made, done, tmp_path / "here.nc")
         return (tmp_path / "here.nc").read_bytes()
 
     return content
@@ -148,7 +148,7 @@ def test_a_worker_that_would_compute_something_else_is_refused(study, worker, tm
 
 
 def test_a_worker_that_joins_later_is_asked_too():
-    chunk = dataset.chunks(campaign.load({"trials": 1}, "here"))[0]
+    chunk = trial_chunks.chunks(campaign.load({"trials": 1}, "here"))[0]
     expected = {**provenance.computation(), "mujoco": "9.9"}
     with pytest.raises(InputError, match=r"would compute otherwise: mujoco [\d.]+ there and 9\.9 here"):
         execution._run(0, chunk, 1, expected)

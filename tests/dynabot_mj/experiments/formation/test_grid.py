@@ -6,7 +6,7 @@ import pytest
 from dynabot_mj.common import intervals
 from dynabot_mj.common.exceptions import InputError
 from dynabot_mj.experiments.formation import case_rows, grid
-from dynabot_mj.study import campaign, dataset, execution
+from dynabot_mj.study import campaign, dataset, execution, trial_chunks
 from dynabot_mj.study.execution import Execution, Watch
 
 
@@ -24,7 +24,7 @@ def made():
 
 @pytest.fixture(scope="module")
 def study(made):
-    return dataset.whole(made, execution.execute(dataset.chunks(made), Execution(), Watch()))
+    return dataset.whole(made, execution.execute(trial_chunks.chunks(made), Execution(), Watch()))
 
 
 def of(study, label):
@@ -67,7 +67,7 @@ def test_a_difference_is_that_of_the_trials(made, study):
 def test_measures_that_a_duration_cuts_off_are_not_compared_where_durations_differ():
     tree = {"trials": 3, "plants": ["particle"], "estimators": ["perfect"], "grid": {"duration": [14.0, 15.0]}}
     other = campaign.load(tree, "grid.toml")
-    whole = dataset.whole(other, execution.execute(dataset.chunks(other), Execution(), Watch()))
+    whole = dataset.whole(other, execution.execute(trial_chunks.chunks(other), Execution(), Watch()))
     told = {one.metric: one.difference for one in grid.found(whole, other).paired}
     assert told["time_to_formation_s"] is None
     assert told["completion_common"] is not None

@@ -7,7 +7,7 @@ from dynabot_mj import cli
 from dynabot_mj.experiments.vehicle import track
 from dynabot_mj.experiments.vehicle.manoeuvres import KINDS
 
-TASK = track._chunk
+TASK = track._formation
 
 
 def brief(*arguments):
@@ -22,7 +22,7 @@ def test_the_report_has_every_law_on_every_kind_of_course(monkeypatch, tmp_path,
     monkeypatch.setattr(track, "FRICTIONS", (0.5,))
     monkeypatch.setattr(track, "COURSES_PER_KIND", 1)
     monkeypatch.setattr(track, "COURSE_DURATION", 2.0)
-    monkeypatch.setattr(track, "_chunk", brief)
+    monkeypatch.setattr(track, "_formation", brief)
     assert cli.main(["track", "--trials", "1", "--workers", "1", "--out", str(tmp_path), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert [(one["laws"], one["kind"]) for one in document["courses"]] == [
