@@ -32,7 +32,7 @@ def add(commands: parsers.Commands) -> None:
 
 def study(options: argparse.Namespace) -> None:
     """Any grid of configurations: every case of it, measures over its factors, differences on the same trials."""
-    from dynabot_mj.experiments.formation import grid
+    from dynabot_mj.experiments.formation import grid, grid_tables
     from dynabot_mj.figures import grid as figure
     from dynabot_mj.figures import style
 
@@ -41,7 +41,7 @@ def study(options: argparse.Namespace) -> None:
         dataset, wall_s = studies.obtain(made, folder, options, "study")
         pairs = [(a, b) for a, b in options.pairs or ()]
         found = grid.found(dataset, made, options.over, options.measures or grid.SHOWN, pairs)
-        document, text = grid.document(found), grid.markdown(found)
+        document, text = grid.document(found), grid_tables.markdown(found)
         with studies.drafted(folder, made, dataset, options, wall_s) as draft:
             (draft / "table.md").write_text(text, encoding="utf-8")
             (draft / "campaign.json").write_text(results.dump(document), encoding="utf-8")

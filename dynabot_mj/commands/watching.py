@@ -58,7 +58,7 @@ class StudyWatch(ShareWatch):
         self._chunks, self._start, self._kept = chunks, self._clock(), set(kept)
         for chunk in chunks:
             self.cases.setdefault(chunk.label, _Case()).total += chunk.size
-        self._free = sum(self._weights[index] for index in kept) / (sum(self._weights) or 1.0)
+        self._free = sum(self._weights[index] for index in kept) / self._total
 
     def note(self, text: str) -> None:
         """Says it at once."""

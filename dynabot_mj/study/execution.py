@@ -67,11 +67,12 @@ class ShareWatch(Watch):
         self._progress = progress
         self._weights: list[float] = []
         self._shares: list[float] = []
-        self._done = 0.0  # weight
+        self._done, self._total = 0.0, 1.0  # weight
 
     def begin(self, chunks: Sequence[Chunk], kept: Collection[int]) -> None:
         """Weighs the chunks."""
-        self._weights, self._shares, self._done = [chunk.weight for chunk in chunks], [0.0] * len(chunks), 0.0
+        self._weights, self._shares = [chunk.weight for chunk in chunks], [0.0] * len(chunks)
+        self._done, self._total = 0.0, sum(self._weights) or 1.0
 
     def share(self, index: int, share: float) -> None:
         """Tells of a chunk that goes on."""
@@ -86,7 +87,7 @@ class ShareWatch(Watch):
     @property
     def whole(self) -> float:
         """Share of all the work that is done."""
-        return min(self._done / (sum(self._weights) or 1.0), 1.0)
+        return min(self._done / self._total, 1.0)
 
 
 class CancelledError(Exception):

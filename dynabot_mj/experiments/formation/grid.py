@@ -9,19 +9,17 @@ from typing import Any
 
 import xarray as xr
 
-from dynabot_mj.common import intervals, tables
+from dynabot_mj.common import intervals
 from dynabot_mj.common.exceptions import InputError, suggestion
-from dynabot_mj.common.tables import Table
-from dynabot_mj.experiments.formation import case_rows, measures, paired_tests
+from dynabot_mj.experiments.formation import case_rows, paired_tests
 from dynabot_mj.experiments.formation.case_rows import CaseRow
 from dynabot_mj.experiments.formation.measure import FACTORS, Measure
-from dynabot_mj.experiments.formation.measures import MEASURES, TESTED
+from dynabot_mj.experiments.formation.measures import MEASURES
 from dynabot_mj.experiments.formation.paired_tests import Paired
 from dynabot_mj.study import dataset
 from dynabot_mj.study.campaign import Campaign
 
 SHOWN = ("time_to_formation_s", "completion_common")  # unless others are asked for
-_ALPHA = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,14 +128,6 @@ def document(grid: Grid) -> dict[str, Any]:
     }
 
 
-def markdown(grid: Grid) -> str:
-    """Returns the tables: all cases, each measure that is shown over its factors, and the differences."""
-    made = [_all(grid), *(_pivot(grid, name) for name in grid.shown)]
-    if grid.paired:
-        made.append(_differences(grid))
-    return "\n\n".join(one.markdown(level=1 if index == 0 else 2) for index, one in enumerate(made)) + "\n"
-
-
 def measure(name: str) -> Measure[Any]:
     """Returns a measure by its name."""
     return next(one for one in MEASURES if one.name == name)
@@ -149,11 +139,16 @@ def title(one: Measure[Any]) -> str:
     return f"{name} [%]" if one.scale == 100.0 and "[" not in name else name
 
 
+def varying(grid: Grid) -> list[str]:
+    """Returns the factors in which cases differ, the configuration's own before the grid's."""
+    names = ("plant", "perception", "estimator", *grid.factors)
+    return [name for name in names if len({str(one.at(name)) for one in grid.rows}) > 1]
+
+
 def case_name(one: GridRow, grid: Grid) -> str:
     """Returns what tells a case from others at the same values of the factors that are shown."""
-    names = [name for name in ("plant", "perception", "estimator", *grid.factors) if name not in grid.over]
-    varying = [name for name in names if len({str(other.at(name)) for other in grid.rows}) > 1]
-    told = (str(one.at(name)) if name in FACTORS else f"{name} {text(one.at(name))}" for name in varying)
+    names = [name for name in varying(grid) if name not in grid.over]
+    told = (str(one.at(name)) if name in FACTORS else f"{name} {text(one.at(name))}" for name in names)
     return ", ".join(part for part in told if part and part != "None")
 
 
@@ -164,88 +159,6 @@ def levels(grid: Grid, factor: str) -> list[Any]:
         if one.at(factor) not in found:
             found.append(one.at(factor))
     return found
-
-
-def _all(grid: Grid) -> Table:
-    shown = measures.columns("cases")
-    header = [*grid.factors, *FACTORS, *(column.header for _, column in shown), "overturned, diverged"]
-    body = [
-        [
-            *(text(one.values[name]) for name in grid.factors),
-            *(str(one.at(name) or "") for name in FACTORS),
-            *(column.text(one.row.measured[measure.name]) for measure, column in shown),
-            f"{'-' if one.row.overturned is None else one.row.overturned}, {one.row.diverged}",
-        ]
-        for one in grid.rows
-    ]
-    notes = dict.fromkeys(measure.note for measure, _ in shown if measure.note)
-    horizon = " or ".join(f"{end:g} s" for end in grid.horizons)
-    note = " ".join(notes).format(horizon=horizon if len(grid.horizons) < 4 else "the duration")
-    return Table(
-        title=f"{len(grid.rows)} cases of {grid.trials} trials, seed {grid.seed}", header=header, body=body, note=note
-    )
-
-
-def _pivot(grid: Grid, name: str) -> Table:
-    """Returns a measure over one or two factors: cases and the first factor down, the second across."""
-    first, *second = grid.over
-    one = measure(name)
-    column = one.columns[0] if one.columns else None
-    cell = column.text if column else _plain
-    across = levels(grid, second[0]) if second else [None]
-    body = []
-    for case in dict.fromkeys(case_name(row, grid) for row in grid.rows):
-        for level in levels(grid, first):
-            here = [row for row in grid.rows if case_name(row, grid) == case and row.at(first) == level]
-            cells = []
-            for value in across:
-                match = [row for row in here if not second or row.at(second[0]) == value]
-                cells.append(cell(match[0].row.measured[name]) if match else "")
-            if any(cells):
-                body.append([case, text(level), *cells])
-    header = ["", first, *([f"{second[0]} {text(value)}" for value in across] if second else [title(one)])]
-    return Table(title=f"{title(one)} over {' and '.join(grid.over)}", header=header, body=body)
-
-
-def _differences(grid: Grid) -> Table:
-    names = list(dict.fromkeys(one.metric for one in grid.paired))
-    by_label = {one.label: one for one in grid.rows}
-    shown = {one.name: one for one in TESTED}
-    body = []
-    for pair in dict.fromkeys((one.a, one.b) for one in grid.paired):
-        of_pair = {one.metric: one for one in grid.paired if (one.a, one.b) == pair}
-        cells = []
-        for name in names:
-            one, told = of_pair.get(name), shown[name]
-            if one is None or one.difference is None:
-                cells.append("-")
-                continue
-            difference, low, high = (_scaled(value, told.scale) for value in (one.difference, one.low, one.high))
-            scaled = replace(one, difference=difference, low=low, high=high)
-            holds = one.p_holm is not None and one.p_holm < _ALPHA
-            cells.append(tables.difference(scaled, told.digits) + (" *" if holds else ""))
-        body.append([*_told(by_label[pair[0]], by_label[pair[1]], grid), *cells])
-    return Table(
-        title="Differences on the same trials",
-        header=["of", "difference", *(shown[name].title for name in names)],
-        body=body,
-        note="With 95 % intervals; * below 0.05 after Holm's adjustment over all differences of one factor. Measures "
-        "that the duration cuts off are not compared where durations differ.",
-    )
-
-
-def _told(one: GridRow, other: GridRow, grid: Grid) -> tuple[str, str]:
-    """Returns what two cases share of what varies, and what they differ in."""
-    names = ["plant", "perception", "estimator", *grid.factors]
-    varying = [name for name in names if len({str(row.at(name)) for row in grid.rows}) > 1]
-    shared, differ = [], []
-    for name in varying:
-        a, b = one.at(name), other.at(name)
-        if a != b:
-            differ.append(f"{name} {text(a)} - {text(b)}")
-        elif a is not None:
-            shared.append(str(a) if name in FACTORS else f"{name} {text(a)}")
-    return ", ".join(shared), ", ".join(differ)
 
 
 def _cases(study: xr.Dataset, parts: Sequence[xr.Dataset]) -> dict[str, xr.Dataset]:
@@ -288,11 +201,3 @@ def _compared(
 def text(value: Any) -> str:
     """Returns a value of a factor."""
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _plain(found: Any) -> str:
-    return tables.rate(found) if isinstance(found, intervals.Rate) else tables.mean_and_sd(found)
-
-
-def _scaled(value: float | None, scale: float) -> float | None:
-    return None if value is None else scale * value

@@ -3,7 +3,9 @@ import pytest
 import xarray as xr
 
 from dynabot_mj import study
-from dynabot_mj.study import configuration
+from dynabot_mj.study import campaign, configuration, execution, trial_chunks
+from dynabot_mj.study import dataset as datasets
+from dynabot_mj.study.execution import Execution, Watch
 
 
 @pytest.fixture(scope="session")
@@ -30,3 +32,22 @@ def pilot(dataset):
     study["arrival"] = (("case", "trial"), np.array([10.0 + common[0], 11.0 + common[0] + 0.5 * own[0]]))
     study.attrs = dataset.attrs
     return study
+
+
+@pytest.fixture(scope="session")
+def gridded():
+    """A campaign of 2 x 2 points and 2 estimators."""
+    tree = {
+        "trials": 8,
+        "duration": 45.0,
+        "plants": ["particle"],
+        "estimators": ["decoupled", "coupled"],
+        "grid": {"robots": [2, 3], "surrogate.correlation_time": [0.3, 3.0]},
+    }
+    return campaign.load(tree, "grid.toml")
+
+
+@pytest.fixture(scope="session")
+def grid_study(gridded):
+    """Its Dataset."""
+    return datasets.whole(gridded, execution.execute(trial_chunks.chunks(gridded), Execution(), Watch()))

@@ -10,38 +10,21 @@ from dynabot_mj.study import campaign, dataset, execution, trial_chunks
 from dynabot_mj.study.execution import Execution, Watch
 
 
-@pytest.fixture(scope="module")
-def made():
-    tree = {
-        "trials": 8,
-        "duration": 45.0,
-        "plants": ["particle"],
-        "estimators": ["decoupled", "coupled"],
-        "grid": {"robots": [2, 3], "surrogate.correlation_time": [0.3, 3.0]},
-    }
-    return campaign.load(tree, "grid.toml")
-
-
-@pytest.fixture(scope="module")
-def study(made):
-    return dataset.whole(made, execution.execute(trial_chunks.chunks(made), Execution(), Watch()))
-
-
 def of(study, label):
     return study.sel(case=label)
 
 
-def test_rows_are_those_of_each_point(made, study):
-    found = grid.found(study, made)
-    assert [row.label for row in found.rows] == [entry.label for entry in made.entries]
+def test_rows_are_those_of_each_point(gridded, grid_study):
+    found = grid.found(grid_study, gridded)
+    assert [row.label for row in found.rows] == [entry.label for entry in gridded.entries]
     assert found.factors == ["robots", "correlation_time"]
-    part = dataset.points(study)[3]
+    part = dataset.points(grid_study)[3]
     assert [one.row for one in found.rows[6:]] == case_rows.rows(part)
     assert found.rows[6].values == {"robots": 3, "correlation_time": 3.0}
 
 
-def test_cases_are_compared_with_those_at_the_first_value_of_one_key(made, study):
-    found = grid.found(study, made)
+def test_cases_are_compared_with_those_at_the_first_value_of_one_key(gridded, grid_study):
+    found = grid.found(grid_study, gridded)
     pairs = list(dict.fromkeys((one.a, one.b, one.factor) for one in found.paired))
     assert len(pairs) == 8  # 2 estimators x 2 values of the other key, for each of two keys
     first = "particle/gauss-markov/decoupled/robots=2/correlation_time=0.3"
@@ -53,12 +36,12 @@ def test_cases_are_compared_with_those_at_the_first_value_of_one_key(made, study
         assert [one.p_holm for one in family] == intervals.holm([one.p for one in family])
 
 
-def test_a_difference_is_that_of_the_trials(made, study):
+def test_a_difference_is_that_of_the_trials(gridded, grid_study):
     a, b = "particle/gauss-markov/coupled/robots=2/correlation_time=3.0", "particle/gauss-markov/decoupled/robots=3/"
     b += "correlation_time=0.3"
-    found = grid.found(study, made, pairs=[(a, b)])
+    found = grid.found(grid_study, gridded, pairs=[(a, b)])
     (one,) = (one for one in found.paired if one.metric == "arrival_s")
-    difference = (of(study, a).arrival - of(study, b).arrival).values
+    difference = (of(grid_study, a).arrival - of(grid_study, b).arrival).values
     assert one.factor == "several"
     assert one.difference == pytest.approx(np.nanmean(difference))
     assert one.n == np.isfinite(difference).sum()
@@ -73,21 +56,8 @@ def test_measures_that_a_duration_cuts_off_are_not_compared_where_durations_diff
     assert told["completion_common"] is not None
 
 
-def test_tables_line_up_and_have_every_case(made, study):
-    found = grid.found(study, made, over=["correlation_time", "estimator"], shown=["arrival_s", "completion_common"])
-    text = grid.markdown(found)
-    assert "nan" not in text
-    lines = text.splitlines()
-    assert len({len(line) for line in lines if line.startswith("| 2 ")}) == 1
-    assert sum(line.startswith(("| 2 ", "| 3 ")) for line in lines) == 8
-    assert "## arrival [s] over correlation_time and estimator" in lines
-    assert "## band 1 m [%] over correlation_time and estimator" in lines
-    assert any(line.startswith("| robots 3 | 0.3 ") for line in lines)
-    assert any("robots 3 - 2" in line for line in lines)
-
-
-def test_the_document_is_json_without_nan(made, study):
-    document = json.loads(json.dumps(grid.document(grid.found(study, made)), allow_nan=False))
+def test_the_document_is_json_without_nan(gridded, grid_study):
+    document = json.loads(json.dumps(grid.document(grid.found(grid_study, gridded)), allow_nan=False))
     assert document["rows"][0]["values"] == {"robots": 2, "correlation_time": 0.3}
     assert document["rows"][0]["estimator"] == "decoupled"
 
@@ -103,6 +73,6 @@ def test_the_document_is_json_without_nan(made, study):
         ({"pairs": [["particle/gauss-markov/decoupled/robots=2/correlation_time=0.3"] * 2]}, "must be two cases"),
     ],
 )
-def test_what_there_is_not_is_told(made, options, told):
+def test_what_there_is_not_is_told(gridded, options, told):
     with pytest.raises(InputError, match=told):
-        grid.check(made, **{"over": None, "shown": grid.SHOWN, "pairs": [], **options})
+        grid.check(gridded, **{"over": None, "shown": grid.SHOWN, "pairs": [], **options})
